@@ -258,17 +258,32 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
         accuracy: probe.accuracy as f32,
     });
     let probes: Vec<_> = probes.collect();
+    let identity =
+        crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(format!("{probes:?}").as_bytes());
+    let channels = file.probes.iter().map(|probe| probe.channel);
+    let channels: Option<Vec<_>> = channels.collect();
+    let channels = channels.filter(|channels| !channels.is_empty());
+    let channels = channels.map(|all| {
+        all.into_iter()
+            .map(|(channel, um)| (channel, um as f32))
+            .collect::<Vec<_>>()
+    });
+    let mut faults = String::new();
+    for (fault, changes) in mounting::faults::changes(file)? {
+        write!(faults, "(Fault::{fault:?}, {}), ", numbers(changes))?;
+    }
     Ok(writeln!(
         text,
         "/// Probes.\n\
          pub const PROBES: usize = {};\n\
+         /// Channels of the converter that the probes are at, and um per count; none for readings over the port.\n\
+         pub const PROBE_CHANNELS: Option<[(usize, f32); PROBES]> = {channels:?};\n\
          /// Settings of the probes.\n\
          pub static RESPONSE: ResponseSettings<PROBES> = {{\n\
-         #[allow(unused_imports)]\nuse spindle_monitor::ProbeSettings;\n\
-         ResponseSettings {{ probes: {probes:?}, limit: {} }}\n}};\n\
+         #[allow(unused_imports)]\nuse spindle_monitor::{{ProbeSettings, response::Fault}};\n\
+         ResponseSettings {{ probes: {probes:?}, identity: {identity:#x}, faults: &[{faults}] }}\n}};\n\
          const _: () = assert!(RESPONSE.check().is_ok());",
-        probes.len(),
-        number(file.monitor.response_limit)
+        probes.len()
     )?)
 }
 

@@ -262,6 +262,7 @@ pub fn recorded(place: Place) -> Vec<LoadRow> {
                 // The encoder counts, and so does not see movement where there is none.
                 speed_rpm: rounded(speed * (1.0 + 5e-5 * noise(&mut random)), 1.0),
                 temperatures,
+                probes: [None; 4],
             }
         })
         .collect()

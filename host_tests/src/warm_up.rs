@@ -74,6 +74,7 @@ pub fn warm_up() -> Vec<LoadRow> {
             ],
             speed_rpm: round(speed, 1.0),
             temperatures: Some([round(inner, 100.0), round(outer, 100.0)]),
+            probes: [None; 4],
         }
     };
     (0..LENGTH_S).map(row).collect()

@@ -75,6 +75,8 @@ pub trait BridgeAdc<const K: usize> {
 #[derive(Debug)]
 pub struct Ads131m08Bridges<D, const K: usize> {
     device: D,
+    /// Counts of all channels in the last conversion that was read; none if that failed, or there was none.
+    counts: Option<[i32; 8]>,
 }
 
 /// The driver's type.
@@ -134,7 +136,16 @@ where
                 return Err(AdcError::Settings);
             }
         }
-        Ok(Self { device })
+        Ok(Self {
+            device,
+            counts: None,
+        })
+    }
+
+    /// Count of a channel, such as one behind the bridges, in the conversion that was read last; none without one, and at a rail.
+    pub fn count(&self, channel: usize) -> Option<i32> {
+        let count = *self.counts?.get(channel)?;
+        (count.abs() < <Self as BridgeAdc<K>>::RAIL).then_some(count)
     }
 
     /// Gives the driver back, to start it again.
@@ -155,6 +166,7 @@ where
     const RAIL: i32 = 0x7f_ffff;
 
     fn read(&mut self) -> Result<Option<[i32; K]>, AdcError> {
+        self.counts = None;
         if !self.device.is_data_ready().map_err(|_| AdcError::Bus)? {
             return Ok(None);
         }
@@ -179,6 +191,7 @@ where
         if data.status & STATUS_FAULT != 0 {
             return Err(AdcError::Bus);
         }
+        self.counts = Some(data.channels);
         Ok(data.channels.first_chunk::<K>().copied())
     }
 }

@@ -28,6 +28,11 @@ pub trait Sensors {
     /// Readings at a tick.
     fn readings(&mut self, time_us: u64) -> Readings;
 
+    /// Displacements (um) that the probes measured with these loads; none of all where they come over the port.
+    fn displacements(&mut self) -> Option<[Option<f32>; PROBES]> {
+        None
+    }
+
     /// Records that came over the port.
     fn counts(&self) -> FrameCounts {
         FrameCounts::default()
@@ -128,6 +133,9 @@ impl<S: Sensors> Chain<S> {
         self.time_us = time_us;
         let mut readings = self.sensors.readings(time_us);
         readings.temperatures = self.temperatures.take().or(readings.temperatures);
+        if let Some(measured) = self.sensors.displacements() {
+            self.monitor.note_displacements(measured);
+        }
         self.monitor.note_records(self.sensors.counts());
         self.monitor.tick(time_us, &readings, counter, watchdog)
     }

@@ -3,7 +3,7 @@
 use crate::bridges::{Ads131m08, Ads131m08Bridges, Ads131m08Config, StrainBridge, TareState};
 use crate::bus::Bus;
 use crate::chain::Sensors;
-use crate::spindle::{CALIBRATION, CHANNELS, TACHOMETER, TARE_SAMPLES};
+use crate::spindle::{CALIBRATION, CHANNELS, PROBE_CHANNELS, PROBES, TACHOMETER, TARE_SAMPLES};
 use crate::tachometer::{Edges, PulseInput, PulseSpeed, Pulses, SpeedMethod, SpeedSource};
 use core::cell::Cell;
 use core::convert::Infallible;
@@ -156,5 +156,11 @@ impl Sensors for Measured {
             speed: Some(speed.ok().map(|speed| speed.omega)),
             temperatures: None,
         }
+    }
+
+    fn displacements(&mut self) -> Option<[Option<f32>; PROBES]> {
+        let channels = PROBE_CHANNELS?;
+        let adc = self.bridges.as_mut()?.adc();
+        Some(channels.map(|(channel, um)| Some(um * adc.count(channel)? as f32)))
     }
 }

@@ -13,7 +13,8 @@
 //!   does once.
 //! - **State of the spindle.** An acknowledgement says how often the alarm had been raised when somebody saw it. If it was
 //!   raised again since, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that
-//!   somebody is at the machine. While it does, somebody may say that the shaft stands, too.
+//!   somebody is at the machine. While it does, somebody may say that the shaft stands, too, or that the probes' reference is
+//!   that of now.
 //! - **Share.** One order is carried out in [`ORDER_EVERY`] ticks, and only if the answer before it is gone: orders cannot
 //!   starve the telemetry. Requests for which there is no room are as ones that were not heard.
 //!
@@ -64,10 +65,12 @@ pub enum Order {
         /// How often it had been raised ([`AlarmReport::raised`](crate::telemetry::AlarmReport::raised)).
         raised: u32,
     },
-    /// The bearing was replaced by a new one of the same design: forget the life used.
+    /// The bearing was replaced by a new one of the same design: forget the life used, and the reference of the probes.
     ReplaceBearing,
     /// The shaft stands still, though its speed was lost.
     ShaftStands,
+    /// The spindle is as it should be: the ratios so far are the reference of the probes.
+    Commission,
 }
 
 /// An order on its way to the board.
@@ -93,15 +96,18 @@ pub enum AnswerCode {
     NotInService,
     /// The alarm was raised again since, or not so often yet.
     NoSuchOccurrence,
+    /// A probe has seen too few load steps ([`LEAST_STEPS`](crate::response::LEAST_STEPS)), or there is none.
+    TooFewSteps,
 }
 
 impl AnswerCode {
     /// All of them, in the order of the format.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 5] = [
         Self::Done,
         Self::NotAtStandstill,
         Self::NotInService,
         Self::NoSuchOccurrence,
+        Self::TooFewSteps,
     ];
 
     /// Short name in lower case, as tables print it.
@@ -111,6 +117,7 @@ impl AnswerCode {
             Self::NotAtStandstill => "not-at-standstill",
             Self::NotInService => "not-in-service",
             Self::NoSuchOccurrence => "no-such-occurrence",
+            Self::TooFewSteps => "too-few-steps",
         }
     }
 }
@@ -202,6 +209,7 @@ mod tests {
             .into();
         all.push(ask(Order::ReplaceBearing));
         all.push(ask(Order::ShaftStands));
+        all.push(ask(Order::Commission));
         all.push(Command::Probes([0.0, -0.0, f32::MAX, f32::INFINITY]));
         all.extend([0, 1, 127, 128, 46, u16::MAX].map(Command::Tick));
         all

@@ -35,21 +35,27 @@ pub enum Alarm {
     PreloadLoss = 5,
     /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
     Overload = 6,
+    /// The spindle is more compliant than at commissioning: measured over computed displacement at a probe, less 1.
+    StiffnessLoss = 7,
+    /// The spindle is stiffer than at commissioning: 1 less that ratio.
+    StiffnessGain = 8,
     /// Rating life used up, part of 1.
-    LifeUsed = 7,
+    LifeUsed = 9,
     /// Samples have been doubted for a time: seconds since the last good one.
-    Sensor = 8,
+    Sensor = 10,
+    /// A probe does not follow the loads: 1, else 0.
+    Probe = 11,
     /// A temperature has not been measured for a time: seconds since the last good one.
-    Temperature = 9,
+    Temperature = 12,
     /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
-    Availability = 10,
+    Availability = 13,
     /// Ticks miss their deadline: how many within the last second or two.
-    Deadline = 11,
+    Deadline = 14,
 }
 
 impl Alarm {
     /// How many there are.
-    pub const COUNT: usize = 12;
+    pub const COUNT: usize = 15;
 
     /// All alarms, the most serious first.
     pub const ALL: [Self; Self::COUNT] = [
@@ -60,8 +66,11 @@ impl Alarm {
         Self::PreloadGrowth,
         Self::PreloadLoss,
         Self::Overload,
+        Self::StiffnessLoss,
+        Self::StiffnessGain,
         Self::LifeUsed,
         Self::Sensor,
+        Self::Probe,
         Self::Temperature,
         Self::Availability,
         Self::Deadline,
@@ -82,6 +91,9 @@ impl Alarm {
             Self::Sensor => "sensor",
             Self::Availability => "availability",
             Self::Deadline => "deadline",
+            Self::StiffnessLoss => "stiffness-loss",
+            Self::StiffnessGain => "stiffness-gain",
+            Self::Probe => "probe",
         }
     }
 
@@ -97,7 +109,10 @@ impl Alarm {
             | Self::Overload
             | Self::LifeUsed
             | Self::Availability
-            | Self::Deadline => "",
+            | Self::Deadline
+            | Self::StiffnessLoss
+            | Self::StiffnessGain
+            | Self::Probe => "",
             Self::Sensor | Self::Temperature => "s",
         }
     }
@@ -167,20 +182,20 @@ impl Threshold {
     }
 }
 
-/// A level that an alarm watches, and the ball that is worst.
+/// A level that an alarm watches, and its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Level {
     /// In the unit of the [`Alarm`].
     pub value: f32,
-    /// The worst ball, if it is about one.
-    pub ball: Option<u16>,
+    /// The worst ball, counted on from row to row, or the worst probe, if it is about one.
+    pub place: Option<u16>,
 }
 
 impl Level {
-    /// A level that is about no ball.
+    /// A level that is about no ball and no probe.
     pub const fn of(value: f32) -> Self {
-        Self { value, ball: None }
+        Self { value, place: None }
     }
 }
 
@@ -215,7 +230,7 @@ pub struct AlarmMachine {
     seen_us: u64,
     held_us: u32,
     level: f32,
-    ball: Option<u16>,
+    place: Option<u16>,
     /// Highest level that somebody was told of.
     worst: f32,
     raised: u32,
@@ -233,11 +248,11 @@ impl AlarmMachine {
         (self.raised, self.cleared)
     }
 
-    /// The last level, and its ball.
+    /// The last level, and its place.
     pub const fn level(&self) -> Level {
         Level {
             value: self.level,
-            ball: self.ball,
+            place: self.place,
         }
     }
 
@@ -252,14 +267,14 @@ impl AlarmMachine {
         // Most levels are far off: a third of the cost.
         let clear = self.state == S::Clear && !self.there && self.held_us == 0;
         if clear && level.value < threshold.raise && level.value < threshold.at_once {
-            (self.level, self.ball, self.seen_us) = (level.value, level.ball, time_us);
+            (self.level, self.place, self.seen_us) = (level.value, level.place, time_us);
             return None;
         }
         // A level that is no number tells nothing.
         if level.value.is_nan() {
             return None;
         }
-        (self.level, self.ball) = (level.value, level.ball);
+        (self.level, self.place) = (level.value, level.place);
         let since = time_us.saturating_sub(self.seen_us).min(KNOWN_US.into()) as u32;
         self.seen_us = time_us;
         self.held_us = if self.there {
@@ -354,6 +369,9 @@ pub struct Thresholds {
     pub temperature: Threshold,
     pub availability: Threshold,
     pub deadline: Threshold,
+    pub stiffness_loss: Threshold,
+    pub stiffness_gain: Threshold,
+    pub probe: Threshold,
 }
 
 impl Thresholds {
@@ -372,6 +390,9 @@ impl Thresholds {
             Alarm::Temperature => &self.temperature,
             Alarm::Availability => &self.availability,
             Alarm::Deadline => &self.deadline,
+            Alarm::StiffnessLoss => &self.stiffness_loss,
+            Alarm::StiffnessGain => &self.stiffness_gain,
+            Alarm::Probe => &self.probe,
         }
     }
 }
@@ -386,7 +407,7 @@ impl Levels {
         self.0[alarm as usize] = Some(level);
     }
 
-    /// Takes the level of an alarm that is about no ball.
+    /// Takes the level of an alarm that is about no ball and no probe.
     pub const fn set_value(&mut self, alarm: Alarm, value: f32) {
         self.set(alarm, Level::of(value));
     }

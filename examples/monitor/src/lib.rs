@@ -274,7 +274,7 @@ impl<
             ticker: Ticker::new(&settings.tick, &spindle.ball_counts()),
             reports: Reports::new(spindle, settings),
             watch: Watch::new(&spindle.ball_counts(), &spindle.facings()),
-            probes: Probes::new(probes, settings.tick.period_us),
+            probes: Probes::new(probes, &settings.alarms, settings.tick.period_us),
             tracker: Tracker::new(spindle),
             waiting: None,
             estimate: None,
@@ -292,6 +292,7 @@ impl<
         self.alarms.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
         self.reports.set_past(past);
+        self.probes.set_past(&past.references);
         self
     }
 
@@ -334,13 +335,16 @@ impl<
             }
             Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
             Order::ReplaceBearing => AnswerCode::NotAtStandstill,
+            Order::Commission if self.commission() => AnswerCode::Done,
+            Order::Commission => AnswerCode::TooFewSteps,
         }
     }
 
     /// Has a store keep new data. To be called between ticks, as often as one likes; it is the store that
     /// writes, by [`Store::step`].
     pub fn retain<F: NorFlash>(&mut self, time_us: u64, store: &mut Store<F>) {
-        store.look(time_us, &self.alarms, &self.life);
+        let references = self.probes.references();
+        store.look(time_us, &self.alarms, &self.life, &references);
         self.counts.retention = store.report();
     }
 
@@ -361,16 +365,24 @@ impl<
 
     /// Has a store keep life and alarms at once, since the supply is about to go ([`Store::power_fails`]).
     pub fn power_fails<F: NorFlash>(&self, time_us: u64, store: &mut Store<F>) -> bool {
-        store.power_fails(time_us, &self.alarms, &self.life)
+        let references = self.probes.references();
+        store.power_fails(time_us, &self.alarms, &self.life, &references)
     }
 
-    /// The spindle has a new bearing of the same design, with all of its life before it. Only while the shaft stands
-    /// still; whether that was so.
+    /// Makes the ratios of measured over computed displacement so far the reference of the probes. Only if each has seen
+    /// [`LEAST_STEPS`](response::LEAST_STEPS) load steps and follows the loads; whether that was so.
+    pub fn commission(&mut self) -> bool {
+        self.probes.commission()
+    }
+
+    /// The spindle has a new bearing of the same design, with all of its life before it, and is to be commissioned. Only while the
+    /// shaft stands still; whether that was so.
     pub fn replace_bearing(&mut self, time_us: u64) -> bool {
         let oldest_us = self.settings.plausibility.missing_after_us;
         let stands_still = self.plausibility.stands_still(time_us, oldest_us);
         if stands_still {
             self.life = self.life.renewed();
+            self.probes.response.set_references([None; P]);
         }
         stands_still
     }
@@ -450,7 +462,8 @@ impl<
             // Without a speed, blocks end: they have no gap.
             let speed = self.plausibility.undoubted_speed();
             let speed = speed.filter(|_| missed == missed_before);
-            self.probes.tick(tick, speed, good.map(|good| good.load));
+            let load = good.map(|good| good.load);
+            self.probes.tick(tick, speed, load, &mut levels);
         }
         self.watch.tick(time_us, sees, missed, &mut levels);
 
@@ -461,6 +474,10 @@ impl<
             let health = self.health();
             self.counts.marks = Marks::new();
             self.reports.outbox.post(time_us, Payload::Health(health));
+            if P > 0 {
+                let report = Payload::Probes(self.probes.report());
+                self.reports.outbox.post(time_us, report);
+            }
         }
         self.late = self.ticker.finish(counter, watchdog);
         Outcome {
@@ -613,8 +630,8 @@ impl<
                     self.tracker.ended = Some(ended);
                     return false;
                 }
-                Some(Some(status)) => {
-                    let Some(wanted) = self.see(&ended, status, levels) else {
+                Some(Some((status, computed))) => {
+                    let Some(wanted) = self.see(&ended, status, computed, levels) else {
                         return false;
                     };
                     is_new = wanted;
@@ -647,12 +664,13 @@ impl<
         is_new
     }
 
-    /// Takes rows at a glance for as long as `has_time`; how the solve ended, once all are taken. None without an equilibrium.
+    /// Takes rows at a glance for as long as `has_time`; how the solve ended, and the displacement at each probe (um), once all are
+    /// taken. None without an equilibrium.
     fn glance(
         &self,
         ended: &mut Ended<R>,
         mut has_time: impl FnMut() -> bool,
-    ) -> Option<Option<Status<f32>>> {
+    ) -> Option<Option<(Status<f32>, [f32; P])>> {
         let (settings, Ended { task, rows }) = (self.settings, ended);
         self.tracker.look(task, settings, |solution| {
             while let Some(row) = settings.rows.get(rows.len())
@@ -662,13 +680,19 @@ impl<
                 let _ = rows.push(solution.row_summary(rows.len(), limits, &row.rating));
             }
             solution.share(rows.as_mut_slice().try_into().ok()?);
-            Some(solution.status)
+            Some((solution.status, self.probes.computed(solution)))
         })
     }
 
     /// Takes levels and life of an equilibrium with all of its rows; whether it is an estimate, and none of a task for the life
     /// alone.
-    fn see(&mut self, ended: &Ended<R>, status: Status<f32>, levels: &mut Levels) -> Option<bool> {
+    fn see(
+        &mut self,
+        ended: &Ended<R>,
+        status: Status<f32>,
+        computed: [f32; P],
+        levels: &mut Levels,
+    ) -> Option<bool> {
         let (task, rows) = (&ended.task, ended.all()?);
         let part = self.settings.plausibility.part(&task.sample.load);
         if let Purpose::Life(scale) = task.purpose {
@@ -688,12 +712,7 @@ impl<
             tick: task.tick,
         });
         if P > 0 {
-            let probes = &mut self.probes;
-            self.tracker.look(task, self.settings, |solution| {
-                probes.see(task.tick, &task.sample.load, |x| {
-                    solution.displacement_at(x)
-                })
-            });
+            self.probes.solved(task.tick, &task.sample.load, computed);
         }
         Some(true)
     }

@@ -7,7 +7,6 @@
 //! | 4 | number of the record, little-endian |
 //! | [`PAYLOAD`] | payload, which the log does not look into |
 //! | 4 | CRC-32 (ISO-HDLC) of number and payload |
-//! | 32 or more | erased, for figures of later versions; readers of this version pass over it |
 //!
 //! - **Writing.** A record goes to both halves, and the first copy is complete before the second begins. Every unit of
 //!   the flash is read back. A slot that does not hold its bytes is left behind, [`ATTEMPTS`] times for a copy.
@@ -28,18 +27,16 @@ use crate::framing::{CHECKSUM, CHECKSUM_LENGTH};
 pub use embedded_storage::nor_flash::NorFlash;
 
 /// Bytes of a record's payload.
-pub const PAYLOAD: usize = 40;
+pub const PAYLOAD: usize = 72;
 /// Attempts to write a copy.
 pub const ATTEMPTS: u8 = 3;
 
 /// Bytes of a record: number, payload, checksum.
 const RECORD: usize = size_of::<u32>() + PAYLOAD + CHECKSUM_LENGTH;
-/// Bytes behind a record that stay erased.
-const SPARE: usize = 32;
 /// Longest unit that a flash may write, bytes.
 const LONGEST_UNIT: usize = 64;
 /// Length of a slot of such units, bytes.
-const LONGEST_SLOT: usize = (RECORD + SPARE).next_multiple_of(LONGEST_UNIT);
+const LONGEST_SLOT: usize = RECORD.next_multiple_of(LONGEST_UNIT);
 
 /// Why a copy could not be written, or a half not be erased.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,7 +100,7 @@ pub struct Log<F> {
 
 impl<F: NorFlash> Log<F> {
     /// Bytes of a slot.
-    pub const SLOT: usize = (RECORD + SPARE).next_multiple_of(F::WRITE_SIZE);
+    pub const SLOT: usize = RECORD.next_multiple_of(F::WRITE_SIZE);
     /// Checks at compile time that the flash can hold the log.
     const FITS: () = {
         assert!(

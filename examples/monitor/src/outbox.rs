@@ -109,7 +109,10 @@ impl<const FRAMES: usize> Outbox<FRAMES> {
             Payload::Health(report) => self.health = Some((time_us, report)),
             Payload::Answer(answer) => self.answer = Some((time_us, answer)),
             Payload::Hello(report) => self.hello = Some((time_us, report)),
-            payload @ (Payload::Estimate(_) | Payload::Rows(_) | Payload::Balls(_)) => {
+            payload @ (Payload::Estimate(_)
+            | Payload::Rows(_)
+            | Payload::Balls(_)
+            | Payload::Probes(_)) => {
                 // The newest one is worth most.
                 if self.frames.is_full() && self.frames.pop_front().is_some() {
                     self.dropped = self.dropped.saturating_add(1);
@@ -256,7 +259,7 @@ mod tests {
             state: AlarmState::Raised,
             value: 1.0,
             limit: 1.0,
-            ball: None,
+            place: None,
             raised,
             cleared: 0,
         })

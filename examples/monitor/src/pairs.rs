@@ -107,11 +107,18 @@ impl<const P: usize> Pairs<P> {
         self.solved = Some(tick);
     }
 
-    /// Takes the readings of a tick, the one after the last. Hands the pairs of ticks up to the solved one on to `response`.
-    pub fn tick(&mut self, tick: u64, readings: TickReadings<P>, response: &mut Response<P>) {
+    /// Takes the readings of a tick, the one after the last. Hands the pairs of ticks up to the solved one on to `response`; whether
+    /// one of them was the last of a block.
+    pub fn tick(
+        &mut self,
+        tick: u64,
+        readings: TickReadings<P>,
+        response: &mut Response<P>,
+    ) -> bool {
+        let mut is_last = false;
         if let Err(readings) = self.waiting.push_back(readings) {
             if let Some(TickReadings { rpm, measured, .. }) = self.waiting.pop_front() {
-                response.tick(rpm, None, measured);
+                is_last = response.tick(rpm, None, measured);
             }
             let _ = self.waiting.push_back(readings);
         }
@@ -122,8 +129,9 @@ impl<const P: usize> Pairs<P> {
             && let Some(ready) = self.waiting.pop_front()
         {
             let computed = ready.load.and_then(|load| self.secant.at(&load));
-            response.tick(ready.rpm, computed, ready.measured);
+            is_last |= response.tick(ready.rpm, computed, ready.measured);
         }
+        is_last
     }
 }
 
@@ -170,7 +178,7 @@ mod tests {
     fn each_tick_has_its_pair_once_if_solves_take_up_to_four_ticks() {
         for (ticks, share) in [(1, 1.0), (4, 1.0), (20, 0.0)] {
             let mut pairs = Pairs::<1>::default();
-            let mut response = Response::new([0.2], 1000.0, 0.05);
+            let mut response = Response::new([0.2], 1000.0, [0.05; 2]);
             let mut begun: Option<(u64, [f32; 5])> = None;
             for tick in 0..4000_u64 {
                 let cut = if tick % 1000 < 500 { 270.0 } else { 0.0 };

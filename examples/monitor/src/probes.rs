@@ -1,8 +1,13 @@
 //! Measured and computed displacement at the probes, tick by tick.
 
+use crate::judgement::{Alarm, Level, Levels, Thresholds};
 use crate::pairs::{Pairs, TickReadings};
-use crate::response::Response;
-use crate::settings::{ProbeSettings, ResponseSettings};
+use crate::response::{LEAST_STEPS, Response, State, fault};
+use crate::retained::References;
+use crate::settings::ResponseSettings;
+use crate::telemetry::ProbesReport;
+use crate::tracker::Solved;
+use core::array::from_fn;
 
 /// Revolutions per minute in a radian per second.
 const RPM: f32 = 60.0 / core::f32::consts::TAU;
@@ -19,38 +24,110 @@ pub(crate) struct Probes<const P: usize> {
 
 impl<const P: usize> Probes<P> {
     /// Probes that are read once in a tick of this period, us.
-    pub(crate) fn new(settings: &'static ResponseSettings<P>, period_us: u32) -> Self {
+    pub(crate) fn new(
+        settings: &'static ResponseSettings<P>,
+        thresholds: &Thresholds,
+        period_us: u32,
+    ) -> Self {
         let accuracies = settings.probes.each_ref().map(|probe| probe.accuracy);
+        let limits = [&thresholds.stiffness_loss, &thresholds.stiffness_gain];
+        let limits = limits.map(|threshold| threshold.raise);
         Self {
             settings,
             pairs: Pairs::default(),
-            response: Response::new(accuracies, 1e6 / period_us as f32, settings.limit),
+            response: Response::new(accuracies, 1e6 / period_us as f32, limits),
             measured: [None; P],
         }
     }
 
-    /// Takes the equilibrium of a tick's loads: the displacement (m, rad) of the shaft at each position (m).
-    pub(crate) fn see(
-        &mut self,
-        tick: u64,
-        load: &[f32; 5],
-        displacement: impl Fn(f32) -> [f32; 5],
-    ) {
-        let seen = |probe: &ProbeSettings| {
-            let along = displacement(probe.position).into_iter();
+    /// Displacement at each probe in an equilibrium, um.
+    pub(crate) fn computed<const R: usize, const N: usize, const D: usize, const E: usize>(
+        &self,
+        solution: &Solved<'_, R, N, D, E>,
+    ) -> [f32; P] {
+        self.settings.probes.each_ref().map(|probe| {
+            let along = solution.displacement_at(probe.position).into_iter();
             1e6 * along.zip(probe.direction).map(|(u, e)| u * e).sum::<f32>()
-        };
-        let computed = self.settings.probes.each_ref().map(seen);
+        })
+    }
+
+    /// Takes the displacements (um) that the equilibrium of a tick's loads has.
+    pub(crate) fn solved(&mut self, tick: u64, load: &[f32; 5], computed: [f32; P]) {
         self.pairs.solved(tick, load, computed);
     }
 
-    /// Ends a tick: its speed (rad/s) and its loads, if they are believed.
-    pub(crate) fn tick(&mut self, tick: u64, speed: Option<f32>, load: Option<[f32; 5]>) {
+    /// Ends a tick: its speed (rad/s) and its loads, if they are believed. The last tick of a block has levels.
+    pub(crate) fn tick(
+        &mut self,
+        tick: u64,
+        speed: Option<f32>,
+        load: Option<[f32; 5]>,
+        levels: &mut Levels,
+    ) {
         let readings = TickReadings {
             rpm: speed.map(|speed| RPM * speed),
             load,
             measured: core::mem::replace(&mut self.measured, [None; P]),
         };
-        self.pairs.tick(tick, readings, &mut self.response);
+        if self.pairs.tick(tick, readings, &mut self.response) {
+            let changes = self.response.changes();
+            let lost = changes.map(|change| change.map_or(0.0, |change| change.max(0.0)));
+            let gained = changes.map(|change| change.map_or(0.0, |change| (-change).max(0.0)));
+            let at_fault = changes.map(|change| f32::from(u8::from(change.is_none())));
+            levels.set(Alarm::StiffnessLoss, largest(lost));
+            levels.set(Alarm::StiffnessGain, largest(gained));
+            levels.set(Alarm::Probe, largest(at_fault));
+        }
     }
+
+    /// Report for the telemetry.
+    pub(crate) fn report(&self) -> ProbesReport {
+        let reports = self.response.reports();
+        ProbesReport {
+            fault: fault(&reports, self.settings.faults),
+            aliased: self.response.is_aliased(),
+            probes: reports.into_iter().collect(),
+        }
+    }
+
+    /// The ratios so far become the reference of all probes; whether each has seen enough.
+    pub(crate) fn commission(&mut self) -> bool {
+        let all = self
+            .response
+            .reports()
+            .iter()
+            .all(|report| report.state != State::Probe && report.steps >= LEAST_STEPS);
+        all && P > 0 && (0..P).all(|probe| self.response.refer(probe))
+    }
+
+    /// Goes on with the references of an earlier start, if they are those of these probes.
+    pub(crate) fn set_past(&mut self, references: &References) {
+        if references.probes == self.settings.identity {
+            self.response
+                .set_references(from_fn(|i| *references.ratios.get(i)?));
+        }
+    }
+
+    /// References to be kept.
+    pub(crate) fn references(&self) -> References {
+        let ratios = self.response.references();
+        References {
+            probes: self.settings.identity,
+            ratios: from_fn(|i| *ratios.get(i)?),
+        }
+    }
+}
+
+/// The largest level, and its probe.
+fn largest<const P: usize>(levels: [f32; P]) -> Level {
+    let mut worst = Level::of(0.0);
+    for (probe, value) in (0..).zip(levels) {
+        if value > worst.value {
+            worst = Level {
+                value,
+                place: Some(probe),
+            };
+        }
+    }
+    worst
 }

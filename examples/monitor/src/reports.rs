@@ -357,7 +357,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     ) {
         let machine = alarms.alarm(alarm);
         let (raised, cleared) = machine.counts();
-        let Level { value, ball } = machine.level();
+        let Level { value, place } = machine.level();
         let threshold = thresholds.of(alarm);
         let report = AlarmReport {
             alarm,
@@ -368,7 +368,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 AlarmChange::Cleared => threshold.clear,
                 _ => threshold.raise,
             },
-            ball,
+            place,
             raised,
             cleared,
         };
@@ -384,7 +384,8 @@ impl TelemetrySettings {
         let picture = rows * balls.div_ceil(BALLS_PER_FRAME);
         TIME_US / self.estimate_us as u64 * estimate as u64
             + TIME_US / self.balls_us as u64 * picture as u64
-            + TIME_US / self.health_us as u64
+            // A report on the probes goes with each on health.
+            + 2 * (TIME_US / self.health_us as u64)
             + TIME_US / self.standing_us as u64 * Alarm::COUNT as u64
     }
 }

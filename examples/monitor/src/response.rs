@@ -13,6 +13,7 @@
 //!
 //! A harmonic of the revolution near a multiple of the sampling rate looks like a drift ([`is_aliased`]).
 
+use serde::{Deserialize, Serialize};
 use spindle_bearing::sqrt_f32;
 
 /// Harmonics of the revolution that runout has.
@@ -50,11 +51,14 @@ const WRONG: u8 = 3;
 const STUCK: u8 = 100;
 /// Largest fault that is named, in small ones.
 const FARTHEST: f32 = 20.0;
+/// By this part of the largest change, parts of 1, the changes of a fault bend as it grows.
+const BEND: f32 = 0.1;
 /// Load steps that a reference needs.
 pub const LEAST_STEPS: u32 = 6;
 
 /// Result of a probe.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum State {
     /// There is no reference, or no load step since.
@@ -84,7 +88,7 @@ impl State {
 }
 
 /// Ratio with its standard error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Ratio {
     /// Measured over computed displacement.
@@ -107,7 +111,7 @@ impl Ratio {
 }
 
 /// Report of a probe.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbeReport {
     /// Whether the spindle, or the probe, has changed.
@@ -120,17 +124,34 @@ pub struct ProbeReport {
     pub age: u32,
 }
 
-/// Number of the fault that the changes of the ratios fit, and no other one does.
+/// Change of the spindle that ratios tell of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Fault {
+    /// Preload is lost.
+    Preload,
+    /// The contact angle is another one, though the rows are mounted as before.
+    ContactAngle,
+    /// The support of this row has grown softer.
+    Support(u8),
+}
+
+/// The fault that the changes of the ratios fit, and no other one does.
 ///
-/// Each fault has the change of each ratio by a small fault, some 5 %; by a larger one, it may be a fifth off. All probes are within
-/// three errors of it.
-pub fn fault<const P: usize>(reports: &[ProbeReport; P], faults: &[[f32; P]]) -> Option<usize> {
-    let mut fitting = faults.iter().enumerate().filter(|(_, changes)| {
+/// Each fault has the change of each ratio by a small one, some 5 %. Larger ones are multiples of it, and the more off the
+/// larger they are. All probes that follow the loads are within three errors of that.
+pub fn fault<const P: usize>(
+    reports: &[ProbeReport; P],
+    faults: &[(Fault, [f32; P])],
+) -> Option<Fault> {
+    let mut fitting = faults.iter().filter(|(_, changes)| {
         let [mut along, mut square] = [0.0; 2];
         let ratios = || {
             reports
                 .iter()
-                .zip(*changes)
+                .zip(changes)
+                .filter(|(report, _)| report.state != State::Probe)
                 .filter_map(|(report, by)| Some((report.ratio?, *by)))
         };
         for (ratio, by) in ratios() {
@@ -139,15 +160,17 @@ pub fn fault<const P: usize>(reports: &[ProbeReport; P], faults: &[[f32; P]]) ->
             square += weight * by * by;
         }
         let size = along / square;
+        let largest = ratios().fold(0.0_f32, |most, (_, by)| most.max((size * by).abs()));
         size * sqrt_f32(square) > ERRORS
             && size < FARTHEST
             && ratios().all(|(ratio, by)| {
                 let change = size * by;
-                (ratio.value - 1.0 - change).abs() < ERRORS * ratio.error + 0.2 * change.abs()
+                let bend = BEND * largest * change.abs();
+                (ratio.value - 1.0 - change).abs() < ERRORS * ratio.error + bend
             })
     });
     let (found, _) = fitting.next()?;
-    fitting.next().is_none().then_some(found)
+    fitting.all(|(other, _)| other == found).then_some(*found)
 }
 
 /// Whether runout at this speed (rpm) cannot be told from drift at this sampling rate (Hz).
@@ -375,6 +398,13 @@ impl Probe {
         [m + noise < LEAST * p, m - noise > p / LEAST]
     }
 
+    /// Begins to compare with this reference.
+    fn set_reference(&mut self, reference: Option<Ratio>) {
+        self.reference = reference;
+        (self.short, self.long) = (Memory::default(), Memory::default());
+        (self.steps, self.before) = (0, 0.0);
+    }
+
     /// Takes a load step.
     fn learn(&mut self, step: Step) {
         let is_same = self.before * step.p > 0.0;
@@ -416,26 +446,43 @@ impl Probe {
         })
     }
 
-    fn report(&self, limit: f32) -> ProbeReport {
-        let over = |ratio: Ratio| Some(ratio.over(self.reference?));
-        let mut memories = [self.short, self.long].into_iter();
-        let beyond = memories.find_map(|memory| {
+    /// The ratio over that of the reference.
+    fn over(&self, ratio: Option<Ratio>) -> Option<Ratio> {
+        Some(ratio?.over(self.reference?))
+    }
+
+    fn is_at_fault(&self) -> bool {
+        self.stuck >= STUCK || self.wrong >= WRONG
+    }
+
+    /// Change of the ratio since the reference, of the memory that has the larger one, part of 1; 0 within its errors.
+    fn change(&self) -> f32 {
+        let mut largest = 0.0_f32;
+        for memory in [self.short, self.long] {
             let errors = if memory.weight < FEW {
                 ERRORS_OF_FEW
             } else {
                 ERRORS
             };
-            let ratio = over(memory.ratio(self.quiet)?)?;
-            let is_beyond = (ratio.value - 1.0).abs() > limit && ratio.is_off(1.0, errors);
-            is_beyond.then_some(ratio)
-        });
-        let ratio = self.ratio().and_then(over);
-        let state = match (ratio, beyond) {
-            _ if self.stuck >= STUCK || self.wrong >= WRONG => State::Probe,
-            (None, _) => State::Learning,
-            (_, None) => State::Ok,
-            (_, Some(ratio)) if ratio.value > 1.0 => State::StiffnessLoss,
-            _ => State::StiffnessGain,
+            if let Some(ratio) = self.over(memory.ratio(self.quiet))
+                && ratio.is_off(1.0, errors)
+                && (ratio.value - 1.0).abs() > largest.abs()
+            {
+                largest = ratio.value - 1.0;
+            }
+        }
+        largest
+    }
+
+    fn report(&self, [loss, gain]: [f32; 2]) -> ProbeReport {
+        let ratio = self.over(self.ratio());
+        let change = self.change();
+        let state = match ratio {
+            _ if self.is_at_fault() => State::Probe,
+            None => State::Learning,
+            Some(_) if change > loss => State::StiffnessLoss,
+            Some(_) if change < -gain => State::StiffnessGain,
+            Some(_) => State::Ok,
         };
         ProbeReport {
             state,
@@ -451,7 +498,7 @@ impl Probe {
 pub struct Response<const P: usize> {
     /// Pairs in a second.
     rate: f32,
-    limit: f32,
+    limits: [f32; 2],
     /// Speed of the last block, rpm; sum over this block, its ticks so far and its length: 0 if it does not count.
     speed: f32,
     speeds: f32,
@@ -463,11 +510,11 @@ pub struct Response<const P: usize> {
 impl<const P: usize> Response<P> {
     /// Probes with their accuracies (um), which give a pair `rate` times a second (Hz).
     ///
-    /// A ratio that is off by `limit`, a part of 1, is a change.
-    pub fn new(accuracies: [f32; P], rate: f32, limit: f32) -> Self {
+    /// A ratio is one of a changed spindle from these limits on, parts of 1: of more, and of less displacement than before.
+    pub fn new(accuracies: [f32; P], rate: f32, limits: [f32; 2]) -> Self {
         Self {
             rate,
-            limit,
+            limits,
             speed: 0.0,
             speeds: 0.0,
             ticks: 0,
@@ -476,7 +523,7 @@ impl<const P: usize> Response<P> {
         }
     }
 
-    /// Takes a tick: its speed (rpm), computed and measured displacements (um).
+    /// Takes a tick: its speed (rpm), computed and measured displacements (um). Whether that was the last one of a block.
     ///
     /// There is no speed where it is not believed, nothing computed without a fresh solution of loads of this tick, and nothing
     /// measured where a probe gave no value.
@@ -485,9 +532,10 @@ impl<const P: usize> Response<P> {
         rpm: Option<f32>,
         computed: Option<[f32; P]>,
         measured: [Option<f32>; P],
-    ) {
+    ) -> bool {
         let Some(rpm) = rpm.filter(|rpm| rpm.is_finite()) else {
-            return self.restart(0.0);
+            self.restart(0.0);
+            return false;
         };
         if !((rpm - self.speed).abs() <= STEADY * self.speed.abs()) {
             self.restart(rpm);
@@ -500,12 +548,14 @@ impl<const P: usize> Response<P> {
                 probe.add(m, p);
             }
         }
-        if self.ticks == self.length {
+        let is_last = self.ticks == self.length;
+        if is_last {
             self.end();
             self.begin(self.speed + self.speeds / self.ticks as f32);
         } else if self.length == 0 && self.ticks as f32 > shortest(self.rate) {
             self.restart(rpm);
         }
+        is_last
     }
 
     /// Ends the reference of a probe: the ratio so far. Returns whether there is one, of [`LEAST_STEPS`] at least.
@@ -518,15 +568,38 @@ impl<const P: usize> Response<P> {
         else {
             return false;
         };
-        probe.reference = Some(ratio);
-        (probe.short, probe.long) = (Memory::default(), Memory::default());
-        (probe.steps, probe.before) = (0, 0.0);
+        probe.set_reference(Some(ratio));
         true
+    }
+
+    /// Takes the references of an earlier start, probe by probe: ratios at commissioning.
+    pub fn set_references(&mut self, references: [Option<Ratio>; P]) {
+        for (probe, reference) in self.probes.iter_mut().zip(references) {
+            probe.set_reference(reference);
+        }
+    }
+
+    /// The references.
+    pub fn references(&self) -> [Option<Ratio>; P] {
+        self.probes.each_ref().map(|probe| probe.reference)
     }
 
     /// Reports of the probes.
     pub fn reports(&self) -> [ProbeReport; P] {
-        self.probes.each_ref().map(|probe| probe.report(self.limit))
+        self.probes
+            .each_ref()
+            .map(|probe| probe.report(self.limits))
+    }
+
+    /// Change of each ratio since the reference, part of 1: 0 within its errors, none of a probe that does not follow the loads.
+    pub fn changes(&self) -> [Option<f32>; P] {
+        let change = |probe: &Probe| (!probe.is_at_fault()).then(|| probe.change());
+        self.probes.each_ref().map(change)
+    }
+
+    /// Whether blocks do not count at the speed of now ([`is_aliased`]).
+    pub fn is_aliased(&self) -> bool {
+        is_aliased(self.speed, self.rate)
     }
 
     /// Begins a block at a speed.

@@ -1,4 +1,4 @@
-//! Data that the monitor keeps over a power cycle: life used, alarms, number of starts.
+//! Data that the monitor keeps over a power cycle: life used, alarms, references of the probes, number of starts.
 //!
 //! [`Store::open`] reads the [`Past`] before ticks begin. [`Monitor::retain`](crate::Monitor::retain) sees changes, and
 //! [`Store::step`] writes them between ticks, one unit of the flash at a time. The flash is whatever implements
@@ -10,12 +10,14 @@
 //! | --- | --- |
 //! | life used, revolutions | every two minutes, if either has grown by a 64th of its growth since the start; at once for a new bearing |
 //! | alarms not acknowledged | within a second, 10 s apart |
+//! | references of the probes | within a second |
 //! | number of starts, cause of the reset | at every start |
 //!
 //! How often each alarm was raised is kept along with them. The tare is not kept: it drifts, and a shaft stands still when
 //! power comes on, so that it is taken again.
 //!
 //! Life and alarms belong to a spindle ([`Identity`]). With another spindle life begins at 0 without alarms, and the number of starts goes on.
+//! References belong to its probes, too ([`References`]).
 //! With a record of another [`VERSION`] all of it begins at 0.
 //!
 //! **A power cut loses** the larger of two lives: the one used in two minutes, and a 64th of the one used since the
@@ -29,15 +31,18 @@
 //! in 13 years, a reset every second in 79 days.
 
 use crate::board::ResetCause;
+use crate::command::MOST_PROBES;
 use crate::judgement::{Alarm, Judgement};
 use crate::life::Life;
 use crate::log::{Log, PAYLOAD};
 pub use crate::log::{NorFlash, WriteError};
+use crate::response::Ratio;
+use core::array::from_fn;
 use enumset::EnumSet;
 use serde::{Deserialize, Serialize};
 
 /// Version of the records. Alarms are kept by their place in [`Alarm::ALL`].
-pub const VERSION: u8 = 5;
+pub const VERSION: u8 = 6;
 
 /// Shortest time between two records for the life alone, us.
 pub const LIFE_US: u64 = 120_000_000;
@@ -121,6 +126,21 @@ pub struct StartReport {
     pub raised: [u8; Alarm::COUNT],
 }
 
+/// Ratios of the probes at commissioning.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct References {
+    /// Whose they are ([`ResponseSettings::identity`](crate::ResponseSettings::identity)).
+    pub probes: u32,
+    /// The ratios, none of a probe without one.
+    pub ratios: [Option<Ratio>; MOST_PROBES],
+}
+
+/// Unit in which a record has the standard error of a reference.
+const ERROR_UNIT: f32 = 1e-5;
+/// Bytes of a reference in a record: its ratio, 0 for none, and the error.
+const REFERENCE: usize = size_of::<f32>() + size_of::<u16>();
+
 /// Data kept from earlier starts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -129,6 +149,8 @@ pub struct Past {
     pub life: (u64, u64),
     /// This start, with the alarms of earlier ones.
     pub start: StartReport,
+    /// References of the probes.
+    pub references: References,
 }
 
 impl Past {
@@ -139,11 +161,26 @@ impl Past {
         past
     }
 
-    /// Payload of a record, integers little-endian: version, cause, alarms, spindle, life, starts, times raised.
+    /// Payload of a record, numbers little-endian: version, cause, alarms, spindle, life, starts, times raised, probes, references.
     fn encode(&self, Identity(spindle): Identity) -> [u8; PAYLOAD] {
         let (used, revolutions) = self.life;
         let start = &self.start;
-        let parts: [&[u8]; 7] = [
+        let References { probes, ratios } = &self.references;
+        let mut references = [[0; REFERENCE]; MOST_PROBES];
+        for (bytes, Ratio { value, error }) in references
+            .iter_mut()
+            .zip(ratios)
+            .filter_map(|(bytes, ratio)| Some((bytes, (*ratio)?)))
+        {
+            // Rounded up; a cast stops at the largest number.
+            let error = (error / ERROR_UNIT + 1.0) as u16;
+            let parts = value.to_le_bytes().into_iter().chain(error.to_le_bytes());
+            bytes
+                .iter_mut()
+                .zip(parts)
+                .for_each(|(to, from)| *to = from);
+        }
+        let parts: [&[u8]; 9] = [
             &[VERSION, start.cause as u8],
             &start.alarms.as_repr().to_le_bytes(),
             &spindle.to_le_bytes(),
@@ -151,6 +188,8 @@ impl Past {
             &revolutions.to_le_bytes(),
             &start.boots.to_le_bytes(),
             &start.raised,
+            &probes.to_le_bytes(),
+            references.as_flattened(),
         ];
         let mut payload = [0; PAYLOAD];
         for (to, from) in payload.iter_mut().zip(parts.into_iter().flatten()) {
@@ -167,6 +206,18 @@ impl Past {
         let (used, rest) = rest.split_first_chunk()?;
         let (revolutions, rest) = rest.split_first_chunk()?;
         let (boots, rest) = rest.split_first_chunk()?;
+        let (raised, rest) = rest.split_first_chunk()?;
+        let (probes, rest) = rest.split_first_chunk()?;
+        let (references, _) = rest.split_first_chunk::<{ MOST_PROBES * REFERENCE }>()?;
+        let (references, _) = references.as_chunks::<REFERENCE>();
+        let ratio = |[a, b, c, d, error @ ..]: [u8; REFERENCE]| Ratio {
+            value: f32::from_le_bytes([a, b, c, d]),
+            error: f32::from(u16::from_le_bytes(error)) * ERROR_UNIT,
+        };
+        let ratios = from_fn(|i| {
+            let ratio = ratio(*references.get(i)?);
+            (ratio.value.is_finite() && ratio.value > 0.0).then_some(ratio)
+        });
         let causes = ResetCause::ALL.get(usize::from(cause));
         let past = Self {
             life: (u64::from_le_bytes(*used), u64::from_le_bytes(*revolutions)),
@@ -174,7 +225,11 @@ impl Past {
                 boots: u32::from_le_bytes(*boots),
                 cause: causes.copied().unwrap_or_default(),
                 alarms: EnumSet::from_repr_truncated(u16::from_le_bytes(*alarms)),
-                raised: *rest.first_chunk()?,
+                raised: *raised,
+            },
+            references: References {
+                probes: u32::from_le_bytes(*probes),
+                ratios,
             },
         };
         (version == VERSION).then_some((Identity(u32::from_le_bytes(*spindle)), past))
@@ -182,7 +237,10 @@ impl Past {
 }
 
 // A record has room for all alarms.
-const _: () = assert!(Alarm::COUNT <= 16 && 2 + 2 + 4 + 8 + 8 + 4 + Alarm::COUNT == PAYLOAD);
+const _: () = assert!(
+    Alarm::COUNT <= 16
+        && 2 + 2 + 4 + 8 + 8 + 4 + Alarm::COUNT + 4 + MOST_PROBES * REFERENCE <= PAYLOAD
+);
 
 /// Identity of a spindle, which tells its data from another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -232,6 +290,7 @@ impl<F: NorFlash> Store<F> {
                     past.life = kept.life;
                     past.start.alarms = kept.start.alarms;
                     past.start.raised = kept.start.raised;
+                    past.references = kept.references;
                     Recovery::Recovered
                 } else {
                     Recovery::OtherSpindle
@@ -256,7 +315,13 @@ impl<F: NorFlash> Store<F> {
 
     /// Sees new data to be kept, as [`Monitor::retain`](crate::Monitor::retain) does, with a monitor of
     /// one's own. Looks once a second, and else does nothing.
-    pub fn look(&mut self, time_us: u64, judgement: &Judgement, life: &Life) {
+    pub fn look(
+        &mut self,
+        time_us: u64,
+        judgement: &Judgement,
+        life: &Life,
+        references: &References,
+    ) {
         if time_us < self.look_us {
             return;
         }
@@ -273,13 +338,14 @@ impl<F: NorFlash> Store<F> {
         let grown = time_us.saturating_sub(self.life_us) >= LIFE_US
             && (grown(now.0, kept.0, began.0) || grown(now.1, kept.1, began.1));
         let alarms = judgement.unacknowledged() != self.past.start.alarms;
-        if replaced || grown || (alarms && time_us >= self.alarms_us) {
-            self.keep(time_us, judgement, life);
+        let referred = *references != self.past.references;
+        if replaced || grown || referred || (alarms && time_us >= self.alarms_us) {
+            self.keep(time_us, judgement, life, references);
         }
     }
 
     /// Makes a record due.
-    fn keep(&mut self, time_us: u64, judgement: &Judgement, life: &Life) {
+    fn keep(&mut self, time_us: u64, judgement: &Judgement, life: &Life, references: &References) {
         let start = &mut self.past.start;
         if judgement.unacknowledged() != start.alarms {
             self.alarms_us = time_us.saturating_add(ALARMS_US);
@@ -291,18 +357,25 @@ impl<F: NorFlash> Store<F> {
             *raised = raised.saturating_add(now.min(u8::MAX.into()) as u8);
         }
         (self.past.life, self.life_us) = (life.kept(), time_us);
+        self.past.references = *references;
         self.due = true;
     }
 
     /// The supply is about to go: writes life and alarms at once. Whether they stand in the flash then, in one copy at
     /// least. Between ticks, as [`Store::look`] is.
     ///
-    /// For boards whose hardware warns of that. A record of 48 bytes is two copies of 12 words on an STM32F405: 0.4 ms,
-    /// or 2.4 ms at worst. The programmable voltage detector (PVD: `PWR_CR`, `PWR_CSR`) of that chip warns at 2.9 V, and words
-    /// are written down to 2.7 V. The supply must hold out in between: 100 mA for 2.4 ms take 1.2 mF. A detector at the
+    /// For boards whose hardware warns of that. A record of 80 bytes is two copies of 20 words on an STM32F405: 0.6 ms,
+    /// or 4 ms at worst. The programmable voltage detector (PVD: `PWR_CR`, `PWR_CSR`) of that chip warns at 2.9 V, and words
+    /// are written down to 2.7 V. The supply must hold out in between: 100 mA for 4 ms take 2 mF. A detector at the
     /// input of the regulator leaves more time. To be called once for each warning.
-    pub fn power_fails(&mut self, time_us: u64, judgement: &Judgement, life: &Life) -> bool {
-        self.keep(time_us, judgement, life);
+    pub fn power_fails(
+        &mut self,
+        time_us: u64,
+        judgement: &Judgement,
+        life: &Life,
+        references: &References,
+    ) -> bool {
+        self.keep(time_us, judgement, life, references);
         self.due = false;
         self.log.begin(&self.past.encode(self.identity));
         let written = self.log.counts().written;

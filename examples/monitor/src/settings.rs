@@ -2,6 +2,7 @@
 
 use crate::judgement::{Alarm, Threshold, Thresholds};
 use crate::plausibility::PlausibilitySettings;
+use crate::response::Fault;
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
 use crate::watch::WatchSettings;
@@ -162,15 +163,18 @@ pub struct ProbeSettings {
 pub struct ResponseSettings<const P: usize> {
     /// The probes.
     pub probes: [ProbeSettings; P],
-    /// Change of the ratio that is one of the spindle, part of 1.
-    pub limit: f32,
+    /// Whose references are kept over a power cycle: other probes do not take them.
+    pub identity: u32,
+    /// Faults that may be named, with the change of each ratio by a small one.
+    pub faults: &'static [(Fault, [f32; P])],
 }
 
 impl ResponseSettings<0> {
     /// No probes.
     pub const NONE: Self = Self {
         probes: [],
-        limit: f32::INFINITY,
+        identity: 0,
+        faults: &[],
     };
 }
 
@@ -203,7 +207,15 @@ impl<const P: usize> ResponseSettings<P> {
             );
             i += 1;
         }
-        demand!(positive(self.limit), "limit", "positive");
+        let mut i = 0;
+        while i < self.faults.len() {
+            let mut probe = 0;
+            while probe < P {
+                demand!(self.faults[i].1[probe].is_finite(), "faults", "numbers");
+                probe += 1;
+            }
+            i += 1;
+        }
         Ok(())
     }
 }
@@ -317,6 +329,9 @@ impl<const R: usize> MonitorSettings<R> {
                 temperature: silence(5.0, 1.0),
                 availability: threshold(0.1, 0.05, 0),
                 deadline: threshold(10.0, 5.0, 0),
+                stiffness_loss: threshold(0.05, 0.04, 0),
+                stiffness_gain: threshold(0.05, 0.04, 0),
+                probe: threshold(0.5, 0.25, 0),
             },
             telemetry: TelemetrySettings {
                 estimate_us: 20_000,

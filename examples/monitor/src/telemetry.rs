@@ -12,16 +12,18 @@
 //! | [`Payload::Health`] | at a fixed interval | the newest is kept |
 //! | [`Payload::Hello`] | at the start, at changes of the board, and once a minute | the newest is kept |
 //! | [`Payload::Estimate`], [`Payload::Rows`] | at a fixed interval | the oldest is dropped, and counted |
+//! | [`Payload::Probes`] | with the health reports of a spindle with probes | the oldest is dropped, and counted |
 //! | [`Payload::Balls`] | at a fixed interval | the oldest is dropped, and counted |
 //!
 //! [`Outbox`](crate::outbox::Outbox) is the queue.
 
 use crate::board::BoardReport;
-use crate::command::Answer;
+use crate::command::{Answer, MOST_PROBES};
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::judgement::{Alarm, AlarmChange, AlarmState};
 use crate::loads::FrameCounts;
 use crate::marks::Marks;
+use crate::response::{Fault, ProbeReport};
 use crate::retained::{RetentionReport, StartReport};
 use crate::temperature::TemperatureSource;
 use heapless::Vec;
@@ -29,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::{Frequencies, Limit, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 8;
+pub const VERSION: u8 = 9;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -84,6 +86,8 @@ pub enum Payload {
     Rows(RowsReport),
     /// Who is there: this start, the board, and the spindle.
     Hello(HelloReport),
+    /// Measured over computed displacement at the probes.
+    Probes(ProbesReport),
 }
 
 /// The last good estimate, its age, and the doubts of now. SI units.
@@ -204,6 +208,18 @@ pub struct RowReport {
     pub frequencies: Frequencies<f32>,
 }
 
+/// Measured over computed displacement at the probes ([`response`](crate::response)), in the order of the spindle's file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProbesReport {
+    /// The fault that the ratios of all probes fit, if they fit one alone.
+    pub fault: Option<Fault>,
+    /// Runout cannot be told from drift at the speed of now: nothing counts.
+    pub aliased: bool,
+    /// The probes. Their ages count ticks.
+    pub probes: Vec<ProbeReport, MOST_PROBES>,
+}
+
 /// Who is there, for a host that joins in.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -289,8 +305,8 @@ pub struct AlarmReport {
     pub value: f32,
     /// The limit that it is held against.
     pub limit: f32,
-    /// The ball that is worst, if it is about a ball: counted on from row to row.
-    pub ball: Option<u16>,
+    /// The worst ball, counted on from row to row, or the worst probe, if it is about one.
+    pub place: Option<u16>,
     /// How often this alarm was raised since the start.
     pub raised: u32,
     /// How often its condition went away again.
@@ -356,6 +372,7 @@ mod tests {
     use super::*;
     use crate::board::{Check, ResetCause};
     use crate::command::{AnswerCode, Order};
+    use crate::response::{Ratio, State};
     use crate::retained::Recovery;
     use enumset::EnumSet;
     use std::vec::Vec as Bytes;
@@ -417,7 +434,7 @@ mod tests {
             state: AlarmState::Raised,
             value: f32::MAX,
             limit: f32::MAX,
-            ball: Some(u16::MAX),
+            place: Some(u16::MAX),
             raised,
             cleared: u32::MAX,
         })
@@ -494,6 +511,24 @@ mod tests {
         })
     }
 
+    fn probes() -> Payload {
+        let ratio = Ratio {
+            value: f32::MAX,
+            error: f32::MAX,
+        };
+        let probe = ProbeReport {
+            state: State::Probe,
+            ratio: Some(ratio),
+            steps: u32::MAX,
+            age: u32::MAX,
+        };
+        Payload::Probes(ProbesReport {
+            fault: Some(Fault::Support(u8::MAX)),
+            aliased: true,
+            probes: Vec::from_array([probe; MOST_PROBES]),
+        })
+    }
+
     fn hello() -> Payload {
         let place = RowPlace {
             position: f32::MAX,
@@ -538,6 +573,7 @@ mod tests {
             answer(),
             rows(),
             hello(),
+            probes(),
         ] {
             let frame = longest(payload);
             let bytes = encode(&frame);
@@ -641,7 +677,7 @@ mod tests {
                 state: AlarmState::Raised,
                 value: 1.0,
                 limit: 0.5,
-                ball: None,
+                place: None,
                 raised: 1,
                 cleared: 0,
             }),

@@ -134,7 +134,7 @@ impl<const R: usize> Watch<R> {
                 {
                     worst = Level {
                         value: margin.value,
-                        ball: Some(first + margin.ball),
+                        place: Some(first + margin.ball),
                     };
                 }
                 first += count;
@@ -145,7 +145,7 @@ impl<const R: usize> Watch<R> {
         for (row, count) in rows.iter().zip(&self.balls) {
             if let Some(off) = row.margins.get(Limit::InnerContact) {
                 unloaded.value += f32::from(row.margins.unloaded);
-                unloaded.ball = unloaded.ball.or(Some(first + off.ball));
+                unloaded.place = unloaded.place.or(Some(first + off.ball));
             }
             first += count;
         }

@@ -35,7 +35,7 @@ pub struct MonitorFile {
     /// Accuracy of each measured load, N, N m; 0 for exact.
     pub accuracy: [f64; 5],
     /// Levels of alarms, the most serious first.
-    pub alarms: [AlarmLevels; 12],
+    pub alarms: [AlarmLevels; 15],
     /// Bounds of temperatures: in use if the spindle has `[heat]`, where the reference is.
     pub temperatures: Temperatures,
     /// The tachometer, beside bridges.
@@ -46,8 +46,8 @@ pub struct MonitorFile {
     pub tare_samples: u32,
     /// How often telemetry goes out.
     pub telemetry: Telemetry,
-    /// Change of the measured over the computed displacement that is an alarm, a part of 1.
-    pub response_limit: f64,
+    /// Loads (N, N m) and speed (rad/s) of a usual cut, by which the faults that probes see are told apart; no loads for none.
+    pub cut: ([f64; 5], f64),
 }
 
 /// Bounds of plausible loads and speeds.
@@ -163,7 +163,7 @@ mod keys {
     pub(crate) struct MonitorKeys {
         pub period_ms: Said, pub loads: Key<String>, pub idle: LoadKeys, pub plausible: PlausibleKeys, pub overload: LoadKeys,
         pub accuracy: LoadKeys, pub alarm: AlarmsKeys, pub temperatures: TemperatureKeys, pub tachometer: TachometerKeys,
-        pub bridges: BridgeKeys, pub telemetry: TelemetryKeys, pub response: ResponseKeys,
+        pub bridges: BridgeKeys, pub telemetry: TelemetryKeys, pub cut: CutKeys,
     }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct LoadKeys { pub fx_n: Said, pub fy_n: Said, pub fz_n: Said, pub my_nm: Said, pub mz_nm: Said }
@@ -178,8 +178,9 @@ mod keys {
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
     pub(crate) struct AlarmsKeys {
         pub peak_pressure: AlarmKeys, pub contact_angle: AlarmKeys, pub slip: AlarmKeys, pub unloaded_balls: AlarmKeys,
-        pub preload_growth: AlarmKeys, pub preload_loss: AlarmKeys, pub overload: AlarmKeys, pub life_used: AlarmKeys,
-        pub sensor: AlarmKeys, pub temperature: AlarmKeys, pub availability: AlarmKeys, pub deadline: AlarmKeys,
+        pub preload_growth: AlarmKeys, pub preload_loss: AlarmKeys, pub overload: AlarmKeys, pub stiffness_loss: AlarmKeys,
+        pub stiffness_gain: AlarmKeys, pub life_used: AlarmKeys, pub sensor: AlarmKeys, pub probe: AlarmKeys,
+        pub temperature: AlarmKeys, pub availability: AlarmKeys, pub deadline: AlarmKeys,
     }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct AlarmKeys { pub limit: Said, pub clear: Said, pub hold_ms: Said, pub at_once: Said }
@@ -196,7 +197,9 @@ mod keys {
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct BridgeKeys { pub counts: Key<Vec<[f64; 5]>>, pub tare_samples: Said }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct ResponseKeys { pub limit_percent: Said }
+    pub(crate) struct CutKeys {
+        pub fx_n: Said, pub fy_n: Said, pub fz_n: Said, pub my_nm: Said, pub mz_nm: Said, pub speed_rpm: Said,
+    }
     #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
     pub(crate) struct TelemetryKeys { pub estimate_ms: Said, pub balls_ms: Said, pub health_ms: Said, pub standing_ms: Said }
 }
@@ -234,7 +237,7 @@ fn rad(rpm: f64) -> f64 {
 }
 
 #[rustfmt::skip]
-const NUMBERS: [Number; 47] = [
+const NUMBERS: [Number; 52] = [
     ("period_ms", Some(1.0), From(1.0, 10.0), |k| &k.period_ms, |m, x| m.period_us = us(x)),
     ("idle.fx_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fx_n, |m, x| m.idle[0] = x),
     ("idle.fy_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fy_n, |m, x| m.idle[1] = x),
@@ -277,7 +280,12 @@ const NUMBERS: [Number; 47] = [
     ("tachometer.gate_ms", Some(5.0), Time(1e-3), |k| &k.tachometer.gate_ms, |m, x| m.tachometer.gate_us = us(x)),
     ("tachometer.standstill_ms", Some(500.0), Time(1.0), |k| &k.tachometer.standstill_ms, |m, x| m.tachometer.standstill_us = us(x)),
     ("bridges.tare_samples", Some(1000.0), Count(1.0), |k| &k.bridges.tare_samples, |m, x| m.tare_samples = x as u32),
-    ("response.limit_percent", Some(5.0), From(0.1, 100.0), |k| &k.response.limit_percent, |m, x| m.response_limit = x / 100.0),
+    ("cut.fx_n", Some(0.0), From(-1e9, 1e9), |k| &k.cut.fx_n, |m, x| m.cut.0[0] = x),
+    ("cut.fy_n", Some(0.0), From(-1e9, 1e9), |k| &k.cut.fy_n, |m, x| m.cut.0[1] = x),
+    ("cut.fz_n", Some(0.0), From(-1e9, 1e9), |k| &k.cut.fz_n, |m, x| m.cut.0[2] = x),
+    ("cut.my_nm", Some(0.0), From(-1e9, 1e9), |k| &k.cut.my_nm, |m, x| m.cut.0[3] = x),
+    ("cut.mz_nm", Some(0.0), From(-1e9, 1e9), |k| &k.cut.mz_nm, |m, x| m.cut.0[4] = x),
+    ("cut.speed_rpm", Some(0.0), From(-1e6, 1e6), |k| &k.cut.speed_rpm, |m, x| m.cut.1 = rad(x)),
     ("telemetry.estimate_ms", Some(20.0), Time(1e-3), |k| &k.telemetry.estimate_ms, |m, x| m.telemetry.estimate_us = us(x)),
     ("telemetry.balls_ms", None, Time(1e-3), |k| &k.telemetry.balls_ms, |m, x| m.telemetry.balls_us = us(x)),
     ("telemetry.health_ms", Some(1000.0), Time(1e-3), |k| &k.telemetry.health_ms, |m, x| m.telemetry.health_us = us(x)),
@@ -297,7 +305,7 @@ const NEVER: f64 = f64::INFINITY;
 
 /// The most serious first.
 #[rustfmt::skip]
-const ALARMS: [OfAlarm; 12] = [
+const ALARMS: [OfAlarm; 15] = [
     ("peak-pressure", ("GPa", 1e9), [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
     ("contact-angle", ("deg", PI / 180.0), [0.0, -2.0, NEVER], 100.0, |k| &k.contact_angle),
     ("slip", ("", 1.0), [0.06, 0.05, NEVER], 500.0, |k| &k.slip),
@@ -305,8 +313,11 @@ const ALARMS: [OfAlarm; 12] = [
     ("preload-growth", ("", 1.0), [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
     ("preload-loss", ("%", 1e-2), [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
     ("overload", ("%", 1e-2), [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
+    ("stiffness-loss", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_loss),
+    ("stiffness-gain", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_gain),
     ("life-used", ("%", 1e-2), [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
     ("sensor", ("s", 1.0), [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
+    ("probe", ("", 1.0), [0.5, 0.25, NEVER], 0.0, |k| &k.probe),
     ("temperature", ("s", 1.0), [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
     ("availability", ("%", 1e-2), [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
     ("deadline", ("", 1.0), [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),

@@ -1,11 +1,15 @@
 //! Probes of a spindle file: sensors of displacement that see the shaft against the housing, `[[probe]]`.
 
 use crate::designs::{DesignFileError, Key, Reading, millimetres};
+use crate::monitors::Bridges;
 use serde::Deserialize;
 use toml::Spanned;
 
 /// Most probes of a spindle.
 pub const MOST_PROBES: usize = 4;
+
+/// Channels of the board's converter.
+const CHANNELS: usize = 8;
 
 /// Accuracy of a probe that does not say it, um: that of an eddy current probe.
 const ACCURACY: f64 = 0.5;
@@ -21,6 +25,8 @@ pub struct Probe {
     pub direction: [f64; 3],
     /// Accuracy of a reading, um.
     pub accuracy: f64,
+    /// The channel of the board's converter that it is at, and micrometres per count; none for readings over the port.
+    pub channel: Option<(usize, f64)>,
 }
 
 impl Probe {
@@ -39,6 +45,8 @@ pub(crate) struct ProbeKeys {
     direction: Key<Direction>,
     angle_deg: Key<f64>,
     accuracy_um: Key<f64>,
+    channel: Key<usize>,
+    um_per_count: Key<f64>,
 }
 
 #[derive(Deserialize)]
@@ -61,10 +69,11 @@ enum Axis {
 ///
 /// # Errors
 ///
-/// A probe that lacks a key, has a name twice or has no direction; more probes than [`MOST_PROBES`]; the place.
+/// A probe that lacks a key, has a name or a channel twice or has no direction; more probes than [`MOST_PROBES`]; the place.
 pub(crate) fn read(
     r: Reading<'_>,
     tables: Vec<Spanned<ProbeKeys>>,
+    bridges: Option<&Bridges>,
 ) -> Result<Vec<Probe>, DesignFileError> {
     let mut probes: Vec<Probe> = Vec::new();
     for table in tables {
@@ -115,11 +124,41 @@ pub(crate) fn read(
             }
             accuracy => accuracy.map_or(ACCURACY, Spanned::into_inner),
         };
+        let channel = match (keys.channel, keys.um_per_count) {
+            (None, None) => None,
+            (Some(_), None) => return Err(missing("um_per_count = 1e-3")),
+            (None, Some(_)) => return Err(missing("channel = 7")),
+            (Some(channel), Some(per_count)) => {
+                let (at, channel) = (r.place(channel.span()), channel.into_inner());
+                let taken = bridges.map_or(CHANNELS, |bridges| bridges.counts.len());
+                let is_taken = |probe: &Probe| probe.channel.is_some_and(|(of, _)| of == channel);
+                if !(taken..CHANNELS).contains(&channel) || probes.iter().any(is_taken) {
+                    let message = format!(
+                        "channel {channel} of the converter is not free: it has {CHANNELS}, counted from 0, bridges are at the first \
+                         ones of them (`loads = \"bridges\"` in [monitor]), and each probe has its own"
+                    );
+                    return Err(r.error(at, message));
+                }
+                let (at, per_count) = (r.place(per_count.span()), per_count.into_inner());
+                if per_count == 0.0 {
+                    return Err(r.error(at, "`um_per_count` must not be 0"));
+                }
+                Some((channel, per_count))
+            }
+        };
+        if probes
+            .iter()
+            .any(|probe| probe.channel.is_some() != channel.is_some())
+        {
+            let message = "probes are all at the board's converter, with `channel`, or all over the port, without";
+            return Err(r.error(place, message));
+        }
         probes.push(Probe {
             name,
             position: millimetres(position.into_inner()),
             direction,
             accuracy,
+            channel,
         });
     }
     Ok(probes)

@@ -12,6 +12,7 @@
 use crate::fault::{BadRow, LoadsError, STDIN};
 use crate::import::{Import, Name, ProbeColumn, Source, Wanted};
 use crate::lines::{Line, Lines, listed, number, shown, split, text};
+use crate::probes::MOST_PROBES;
 use crate::quantities::{LOADS, OWN, Quantity};
 use crate::units::{Dimension, Unit, celsius};
 use jiff::civil::{Date, DateTime, Time};
@@ -32,6 +33,8 @@ pub struct LoadRow {
     pub speed_rpm: f64,
     /// Temperatures of the inner and of the outer side, degrees Celsius, if the file has them.
     pub temperatures: Option<[f64; 2]>,
+    /// Displacements that the wanted probes measured, um; none of an empty field.
+    pub probes: [Option<f64>; MOST_PROBES],
 }
 
 impl LoadRow {
@@ -149,8 +152,6 @@ pub struct Loads {
     ranges: [(f64, f64); OWN.len()],
     /// Times of the first and the last row.
     times: Option<(f64, f64)>,
-    /// Readings of the probes in the last row, um.
-    readings: Vec<Option<f64>>,
 }
 
 /// The part of a file that a line stands in.
@@ -226,7 +227,6 @@ impl Loads {
             counts: Counts::default(),
             ranges: NO_RANGES,
             times: None,
-            readings: Vec::new(),
         };
         match import {
             Some(import) => loads.follow(import, wanted)?,
@@ -262,11 +262,6 @@ impl Loads {
     pub fn has_temperatures(&self) -> bool {
         let mut names = self.layout.names.iter();
         names.any(|name| OWN[LOADS..].iter().any(|side| name == side.column()))
-    }
-
-    /// Readings of the wanted probes in the last row, um; none of an empty field.
-    pub fn readings(&self) -> &[Option<f64>] {
-        &self.readings
     }
 
     /// Whether there is a column for each of the wanted probes.
@@ -559,16 +554,14 @@ impl Loads {
         }
         let (mut bad, mut more, mut words, mut columns) = (None, false, 0, 0);
         let (layout, time) = (&self.layout, &mut self.clock);
-        self.readings.clear();
-        self.readings.resize(layout.probes.len(), None);
-        let readings = &mut self.readings;
+        let mut probes = [None; MOST_PROBES];
         let width = layout.width;
         let count = split(line, layout.separator, |i, bytes| {
             more |= i >= width && !bytes.is_empty();
             let Some(Some(of)) = layout.of_field.get(i).copied() else {
                 return;
             };
-            if let Some(reading) = of.checked_sub(OWN.len()).map(|i| &mut readings[i]) {
+            if let Some(reading) = of.checked_sub(OWN.len()).map(|i| &mut probes[i]) {
                 match layout.reading(bytes, of) {
                     Ok(read) => *reading = read,
                     Err(message) => {
@@ -650,6 +643,7 @@ impl Loads {
             load: [fx, fy, fz, my, mz].map(is),
             speed_rpm: is(speed),
             temperatures: inner.zip(outer).map(<[f64; 2]>::from),
+            probes,
         })
     }
 

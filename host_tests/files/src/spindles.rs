@@ -467,6 +467,7 @@ impl SpindleFile {
             })
         });
         let noses = keys.nose.map(|keys| keys.read(r, bends));
+        let monitor = keys.monitor.read(r, &designs, reference)?;
         Ok(Self {
             name: name.into_inner(),
             is_bearing: false,
@@ -478,11 +479,11 @@ impl SpindleFile {
                 shaft,
             },
             noses: noses.transpose()?.unwrap_or_default(),
-            probes: probes::read(r, keys.probe)?,
+            probes: probes::read(r, keys.probe, monitor.bridges.as_ref())?,
             growth,
             bores,
             heat: heat.transpose()?,
-            monitor: keys.monitor.read(r, &designs, reference)?,
+            monitor,
             doubts,
             loading,
             file: file.to_owned(),

@@ -183,7 +183,8 @@ fn newest<const UNIT: usize>(bytes: &[u8]) -> Vec<[u8; PAYLOAD]> {
 
 /// Whether a past is of such a payload: number of starts, and of this spindle also alarms and life.
 fn is_of(past: &Past, payload: &[u8; PAYLOAD], recovery: Recovery) -> bool {
-    let (head, raised) = payload.split_at(PAYLOAD - Alarm::COUNT);
+    let (head, rest) = payload.split_at(28);
+    let (raised, references) = rest.split_at(Alarm::COUNT);
     let number = |from: usize, length: usize| {
         let bytes = head[from..][..length].iter().rev();
         bytes.fold(0_u64, |number, byte| number << 8 | u64::from(*byte))
@@ -195,7 +196,16 @@ fn is_of(past: &Past, payload: &[u8; PAYLOAD], recovery: Recovery) -> bool {
         Recovery::Recovered => {
             let start = &past.start;
             let same = start.alarms == alarms(number(2, 2) as u16) && start.raised[..] == *raised;
-            is_ours && past.life == kept && same && u64::from(start.boots) == boots
+            let mut ratios = past
+                .references
+                .ratios
+                .iter()
+                .zip(references[4..].chunks_exact(6));
+            let referred = ratios.all(|(ratio, bytes)| {
+                let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+                ratio.map(|ratio| ratio.value) == Some(value).filter(|x| x.is_finite() && *x > 0.0)
+            });
+            is_ours && past.life == kept && same && referred && u64::from(start.boots) == boots
         }
         Recovery::OtherSpindle => !is_ours && u64::from(past.start.boots) == boots,
         Recovery::OtherVersion => head[0] != VERSION && past.start.boots == 1,
@@ -251,7 +261,10 @@ fn keep<F: NorFlash>(mut store: Store<F>, past: &Past, start: &Start) -> (F, Kep
     let mut life = Life::resume(used, revolutions);
     for record in 0..1 + u64::from(start.records % 4) {
         life = Life::resume(used ^ record, revolutions);
-        assert!(store.power_fails(record, &judgement, &life), "no room");
+        assert!(
+            store.power_fails(record, &judgement, &life, &past.references),
+            "no room"
+        );
     }
     assert!(!store.step());
     let kept = (life.kept(), judgement.unacknowledged(), past.start.boots);

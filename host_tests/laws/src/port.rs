@@ -8,7 +8,9 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use spindle_bearing::Status;
 use spindle_firmware::chain::Chain;
 use spindle_firmware::spindle::{ROWS, monitor_settings};
-use spindle_monitor::command::{self, Command, ORDER_EVERY, Order, PortReader, Received, Request};
+use spindle_monitor::command::{
+    self, Command, MOST_PROBES, ORDER_EVERY, Order, PortReader, Received, Request,
+};
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::settings::MonitorSettings;
@@ -95,16 +97,18 @@ fn step(u: &mut Unstructured) -> Result<Step> {
             Step::Record(record, vec![u.arbitrary()?; damage])
         }
         3 => {
-            let order = match u.int_in_range(0..=3)? {
+            let order = match u.int_in_range(0..=4)? {
                 0 => Order::ReplaceBearing,
                 1 => Order::ShaftStands,
+                2 => Order::Commission,
                 _ => Order::Acknowledge {
                     alarm: *u.choose(&Alarm::ALL)?,
                     raised: u.int_in_range(0..=3)?,
                 },
             };
-            let command = match u.int_in_range(0..=3)? {
+            let command = match u.int_in_range(0..=4)? {
                 0 => Command::Tick(u.arbitrary()?),
+                2 => Command::Probes(u.arbitrary::<[u32; MOST_PROBES]>()?.map(f32::from_bits)),
                 1 => {
                     let mut side = || Ok(number(u, -50.0, 150.0)? as f32);
                     Command::Temperatures([side()?, side()?])
@@ -372,6 +376,11 @@ impl Bench {
             Payload::Answer(answer) => {
                 self.answered += 1;
                 self.ends.insert(answer.outcome.name());
+            }
+            Payload::Probes(report) => {
+                for ratio in report.probes.iter().filter_map(|probe| probe.ratio) {
+                    assert!(ratio.value.is_finite() && ratio.error >= 0.0, "{ratio:?}");
+                }
             }
             Payload::Hello(_) => {}
         }

@@ -192,6 +192,9 @@ pub fn settings<const R: usize>(
             temperature: threshold(Alarm::Temperature),
             availability: threshold(Alarm::Availability),
             deadline: threshold(Alarm::Deadline),
+            stiffness_loss: threshold(Alarm::StiffnessLoss),
+            stiffness_gain: threshold(Alarm::StiffnessGain),
+            probe: threshold(Alarm::Probe),
         },
         telemetry: TelemetrySettings {
             estimate_us: telemetry.estimate_us,

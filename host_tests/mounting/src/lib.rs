@@ -4,6 +4,7 @@
 //! largest alone: a row may have fewer balls.
 
 pub mod board;
+pub mod faults;
 
 use files::designs::short;
 use files::plan::{BALL_COUNTS, BuildError, MOST_BALLS, MOST_SECTIONS, Part, Plan};
@@ -12,6 +13,8 @@ use spindle_bearing::{
     Settings, Shaft, ShaftLoad, Speed, Spindle, SpindleError, SpindleSolver, Static, Support,
 };
 use std::array::from_fn;
+
+const _: () = assert!(files::probes::MOST_PROBES == spindle_monitor::command::MOST_PROBES);
 
 /// A bearing of any ball count.
 pub trait Mount<T: Real> {

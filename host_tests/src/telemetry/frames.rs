@@ -51,7 +51,7 @@ pub fn alarm(alarm: Alarm, change: AlarmChange, state: AlarmState) -> AlarmRepor
         state,
         value: 0.25,
         limit: 0.2,
-        ball: None,
+        place: None,
         raised: 1,
         cleared: 0,
     }

@@ -163,6 +163,7 @@ const fn order_of(key: char) -> Option<Order> {
     Some(match key {
         'r' => Order::ReplaceBearing,
         's' => Order::ShaftStands,
+        'c' => Order::Commission,
         _ => return None,
     })
 }

@@ -8,8 +8,8 @@ use spindle_monitor::command::{Answer, Order};
 use spindle_monitor::framing::FrameError;
 use spindle_monitor::judgement::{Alarm, AlarmState};
 use spindle_monitor::telemetry::{
-    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, Payload, RowPlace, RowReport,
-    ShaftReport,
+    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, Payload, ProbesReport, RowPlace,
+    RowReport, ShaftReport,
 };
 use std::collections::{BTreeMap, VecDeque};
 
@@ -62,6 +62,7 @@ pub fn words(order: &Order) -> String {
         Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
         Order::ReplaceBearing => "take the bearing for a new one".into(),
         Order::ShaftStands => "believe that the shaft stands".into(),
+        Order::Commission => "take the probes' ratios so far for the reference".into(),
     }
 }
 
@@ -78,6 +79,8 @@ pub struct State {
     pub balls: Vec<Balls>,
     /// The last report of each row; `None` before its first one.
     pub rows: Vec<Option<RowReport>>,
+    /// The last report on the probes.
+    pub probes: Option<ProbesReport>,
     /// Places of the rows and of the nose on the shaft.
     pub shaft: Option<ShaftReport>,
     /// The last report of each alarm, in the order of [`Alarm::ALL`], and the time of its last change, us.
@@ -157,6 +160,7 @@ impl State {
                 *place = Some((since, *report));
             }
             Payload::Health(report) => self.report("health", report),
+            Payload::Probes(report) => self.probes = Some(report.clone()),
             Payload::Answer(answer) => {
                 let (order, outcome) = (words(&answer.order), answer.outcome.name());
                 self.said = Some(format!("board: {order}: {outcome}"));

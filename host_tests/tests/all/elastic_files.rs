@@ -37,6 +37,7 @@ fn at_speed() -> LoadRow {
         load: LOAD,
         speed_rpm: RPM,
         temperatures: None,
+        probes: [None; 4],
     }
 }
 

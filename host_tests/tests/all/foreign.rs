@@ -650,6 +650,7 @@ fn loads_act_where_they_stand() {
             load: [1.0, 100.0, 20.0, 0.5, 0.25],
             speed_rpm: 0.0,
             temperatures: None,
+            probes: [None; 4],
         })
     };
     let expected = [

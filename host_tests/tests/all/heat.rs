@@ -34,6 +34,7 @@ fn at(load: [f64; 5], speed_rpm: f64, temperatures: [f64; 2]) -> LoadRow {
         load,
         speed_rpm,
         temperatures: Some(temperatures),
+        probes: [None; 4],
     }
 }
 

@@ -56,10 +56,10 @@ const LAYERS: [&[&str]; 8] = [
 
 /// Layers of the monitor, from the top: what goes out on the wire is made of the domain, which knows nothing of it.
 const OF_MONITOR: [&[&str]; 7] = [
-    &["reports"],
+    &["reports", "probes"],
     &["outbox"],
     &["telemetry"],
-    &["tracker", "probes"],
+    &["tracker"],
     &["settings", "self_check", "retained"],
     &[
         "watch",

@@ -102,6 +102,7 @@ fn solved(file: &SpindleFile, load: [f64; 5], speed_rpm: f64) -> Answer {
         load,
         speed_rpm,
         temperatures: file.heat.map(|_| WARM),
+        probes: [None; 4],
     };
     let answer = ask(
         &file.plan,
@@ -625,6 +626,7 @@ fn rings_grow_on_the_bores_of_their_sections() {
         load: LOAD,
         speed_rpm: RPM,
         temperatures: None,
+        probes: [None; 4],
     };
     let truth = Pair {
         bore: 0.015,
@@ -779,6 +781,70 @@ accuracy_um = 0.1
 ";
 
 #[test]
+fn a_probe_may_be_at_a_free_channel_of_the_converter() {
+    const BRIDGES: &str = include_str!("../../probes/spindles/bridges.toml");
+    let folder = Path::new(SHIPPED).join("../probes/spindles");
+    let read = |text: &str, channels: [&str; 2]| {
+        let [ax, up] = channels;
+        let probes = PROBE.replacen("accuracy_um = 0.1", up, 1).replacen(
+            "direction = \"x\"",
+            &format!("direction = \"x\"\n{ax}"),
+            1,
+        );
+        SpindleFile::parse("s.toml", &format!("{text}\n{probes}"), &folder)
+    };
+    let [six, seven] = [
+        "channel = 6\num_per_count = 1e-3",
+        "channel = 7\num_per_count = -2e-3",
+    ];
+    let file = read(BRIDGES, [six, seven]).unwrap_or_else(|e| panic!("{e}"));
+    let channels: Vec<_> = file.probes.iter().map(|probe| probe.channel).collect();
+    assert_eq!(channels, [Some((6, 1e-3)), Some((7, -2e-3))]);
+    let records = BRIDGES.split("[monitor]").next().unwrap();
+    for (text, channels, told) in [
+        (
+            BRIDGES,
+            [six, six],
+            "channel 6 of the converter is not free",
+        ),
+        (
+            BRIDGES,
+            [six, "channel = 5\num_per_count = 1"],
+            "channel 5 of the converter is not free",
+        ),
+        (
+            BRIDGES,
+            [six, "channel = 8\num_per_count = 1"],
+            "channel 8 of the converter is not free",
+        ),
+        (
+            records,
+            [six, seven],
+            "channel 6 of the converter is not free",
+        ),
+        (
+            BRIDGES,
+            [six, ""],
+            "probes are all at the board's converter",
+        ),
+        (
+            BRIDGES,
+            [six, "channel = 7"],
+            "such as `um_per_count = 1e-3`",
+        ),
+        (BRIDGES, [six, "um_per_count = 1"], "such as `channel = 7`"),
+        (
+            BRIDGES,
+            [six, "channel = 7\num_per_count = 0"],
+            "`um_per_count` must not be 0",
+        ),
+    ] {
+        let error = read(text, channels).unwrap_err().to_string();
+        assert!(error.contains(told), "{error}");
+    }
+}
+
+#[test]
 fn a_probe_sees_its_direction_at_its_position() {
     let file = parsed(&format!("{}{PROBE}", spindle()));
     let [ax, up] = &file.probes[..] else {
@@ -794,6 +860,7 @@ fn a_probe_sees_its_direction_at_its_position() {
         load: LOAD,
         speed_rpm: RPM,
         temperatures: Some(WARM),
+        probes: [None; 4],
     };
     let ends = file.question_at_probes(&row).ends;
     assert_eq!(ends, [-0.01, 0.0255].map(ShaftEnd::rigid));
@@ -863,7 +930,7 @@ const TABLES: [(&str, &str); 17] = [
 ];
 
 /// Keys of the other tests here, of `monitor_keys.rs` and of `wrong_files.rs`. A name is a text.
-const OTHERS: [&str; 19] = [
+const OTHERS: [&str; 21] = [
     "bearing.name",
     "bearing.inner_shoulder_deg",
     "bearing.outer_shoulder_deg",
@@ -883,6 +950,8 @@ const OTHERS: [&str; 19] = [
     "spindle.probe.direction",
     "spindle.probe.angle_deg",
     "spindle.probe.accuracy_um",
+    "spindle.probe.channel",
+    "spindle.probe.um_per_count",
 ];
 
 #[test]

@@ -254,7 +254,7 @@ impl<const R: usize, const E: usize> Rig<R, E> {
                     host.rows.extend(report.rows);
                 }
                 Payload::Answer(answer) => host.answers.push(answer),
-                Payload::Health(_) | Payload::Hello(_) => {}
+                Payload::Health(_) | Payload::Hello(_) | Payload::Probes(_) => {}
             }
         }
     }

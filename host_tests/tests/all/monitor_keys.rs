@@ -136,7 +136,7 @@ fn a_default_of_the_page_is_that_of_the_reader() {
         assert_eq!(found, silent, "{key} = {value}");
         values += 1;
     }
-    assert_eq!(values, 2 + 5 + 7 + 12 * 3 + 1 + 7 + 5 + 1 + 1 + 3);
+    assert_eq!(values, 2 + 5 + 7 + 15 * 3 + 1 + 7 + 5 + 1 + 6 + 3);
     // Of a pair.
     assert_eq!(silent.telemetry.balls_us, 200_000);
 }
@@ -155,7 +155,7 @@ type Said = (&'static str, &'static str, fn(&MonitorFile) -> f64, f64);
 const RAD: f64 = PI / 30.0;
 
 #[rustfmt::skip]
-const KEYS: [Said; 59] = [
+const KEYS: [Said; 64] = [
     ("period_ms", "2", |m| m.period_us.into(), 2000.0),
     ("loads", "\"bridges\"", |m| m.plausible.speed_stuck_after.into(), 10_000.0),
     ("idle.fx_n", "420", |m| m.idle[0], 420.0),
@@ -210,7 +210,12 @@ const KEYS: [Said; 59] = [
     ("tachometer.gate_ms", "4", |m| m.tachometer.gate_us.into(), 4e3),
     ("tachometer.standstill_ms", "800", |m| m.tachometer.standstill_us.into(), 8e5),
     ("bridges.tare_samples", "200", |m| m.tare_samples.into(), 200.0),
-    ("response.limit_percent", "1", |m| m.response_limit, 0.01),
+    ("cut.fx_n", "-90", |m| m.cut.0[0], -90.0),
+    ("cut.fy_n", "270", |m| m.cut.0[1], 270.0),
+    ("cut.fz_n", "135", |m| m.cut.0[2], 135.0),
+    ("cut.my_nm", "6", |m| m.cut.0[3], 6.0),
+    ("cut.mz_nm", "-13", |m| m.cut.0[4], -13.0),
+    ("cut.speed_rpm", "12000", |m| m.cut.1, 12e3 * RAD),
     ("telemetry.estimate_ms", "10", |m| m.telemetry.estimate_us.into(), 1e4),
     ("telemetry.balls_ms", "100", |m| m.telemetry.balls_us.into(), 1e5),
     ("telemetry.health_ms", "2000", |m| m.telemetry.health_us.into(), 2e6),
@@ -218,7 +223,9 @@ const KEYS: [Said; 59] = [
 ];
 
 /// Units of alarms in a file; the others are 1.
-const UNITS: [(Alarm, f64); 6] = [
+const UNITS: [(Alarm, f64); 8] = [
+    (Alarm::StiffnessLoss, 0.01),
+    (Alarm::StiffnessGain, 0.01),
     (Alarm::PeakPressure, 1e9),
     (Alarm::ContactAngle, PI / 180.0),
     (Alarm::PreloadLoss, 0.01),

@@ -95,6 +95,7 @@ fn own_recordings_are_read_and_others_refused() {
         load,
         speed_rpm,
         temperatures: None,
+        probes: [None; 4],
     };
     let plain = [
         row(0.5, [-2.0, 3e3, 4.0, 5.0, 6.0], 7.25),

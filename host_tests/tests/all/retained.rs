@@ -10,8 +10,9 @@ use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
+use spindle_monitor::response::Ratio;
 use spindle_monitor::retained::{
-    Identity, LIFE_US, Past, Recovery, RetentionReport, Store, VERSION,
+    Identity, LIFE_US, Past, Recovery, References, RetentionReport, Store, VERSION,
 };
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
@@ -43,6 +44,7 @@ struct Board<F> {
     found: Past,
     judgement: Judgement,
     life: Life,
+    references: References,
     time_us: u64,
 }
 
@@ -62,6 +64,7 @@ impl<F: NorFlash> Board<F> {
             found,
             judgement,
             life,
+            references: found.references,
             time_us: 0,
         }
     }
@@ -98,12 +101,13 @@ impl<F: NorFlash> Board<F> {
     }
 
     fn look(&mut self) {
-        self.store.look(self.time_us, &self.judgement, &self.life);
+        self.store
+            .look(self.time_us, &self.judgement, &self.life, &self.references);
     }
 
     fn power_fails(&mut self) -> bool {
         self.store
-            .power_fails(self.time_us, &self.judgement, &self.life)
+            .power_fails(self.time_us, &self.judgement, &self.life, &self.references)
     }
 
     fn now(&self) -> Kept {
@@ -549,7 +553,46 @@ fn without_a_memory_the_monitor_says_so() {
     assert_eq!(start, (0, ResetCause::Watchdog));
     assert_eq!((past.life, past.start.alarms), NOTHING);
     assert_eq!(store.report(), RetentionReport::default());
-    assert!(!store.step() && !store.power_fails(0, &Judgement::default(), &Life::NEW));
+    assert!(
+        !store.step()
+            && !store.power_fails(0, &Judgement::default(), &Life::NEW, &References::default())
+    );
+}
+
+#[test]
+fn references_of_the_probes_are_kept_with_the_spindle() {
+    let mut board = Board::start(Words::new(2));
+    assert_eq!(board.found.references, References::default());
+    let ratio = |value, error| Some(Ratio { value, error });
+    let mut referred = References {
+        probes: 7,
+        ratios: [ratio(1.02, 0.0123), None, ratio(0.98, 0.9), None],
+    };
+    board.stand(1);
+    let before = board.records().0;
+    board.references = referred;
+    board.stand(1);
+    board.stand(1);
+    assert_eq!(board.records().0, before + 1);
+    let flash = board.off();
+    // Errors are rounded up to 0.001 %, and stop at 65.5 %.
+    referred.ratios[0] = ratio(1.02, 0.01231);
+    referred.ratios[2] = ratio(0.98, 0.65535);
+    let board = Board::start(flash);
+    for (found, kept) in board
+        .found
+        .references
+        .ratios
+        .into_iter()
+        .zip(referred.ratios)
+    {
+        assert_eq!(found.map(|one| one.value), kept.map(|one| one.value));
+        let [found, kept] = [found, kept].map(|one| one.map_or(0.0, |one| one.error));
+        assert!((found - kept).abs() < 2e-7, "{found} {kept}");
+    }
+    assert_eq!(board.found.references.probes, 7);
+    let other = Board::start_as(board.off(), Identity::of(1));
+    assert_eq!(other.found.references, References::default());
 }
 
 // --- the boards' flash -------------------------------------------------------------------------

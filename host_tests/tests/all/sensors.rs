@@ -408,8 +408,27 @@ fn the_converters_faults_come_out_by_name() {
     .unzip();
     let mut frames = frames;
     let mut bridges = started(&mut frames, true, None).unwrap();
-    let readings: Vec<_> = (0..6).map(|_| bridges.read()).collect();
+    let mut free = Vec::new();
+    let mut read = || {
+        let read = bridges.read();
+        free.push([7, 2, 8].map(|channel| bridges.count(channel)));
+        read
+    };
+    let readings: Vec<_> = (0..6).map(|_| read()).collect();
     assert_eq!(readings, expected);
+    // A channel behind the bridges, one at a rail, and one that is none.
+    let none = [None; 3];
+    assert_eq!(
+        free,
+        [
+            [Some(6), None, None],
+            none,
+            none,
+            none,
+            none,
+            [Some(6), None, None]
+        ]
+    );
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn samples() -> Vec<Payload> {
     let mut payloads = pair();
     let mut slip = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
     payloads.push(Payload::Alarm(slip));
-    slip.ball = Some(3);
+    slip.place = Some(3);
     payloads.extend([
         Payload::Alarm(slip),
         Payload::Health(health()),
@@ -280,7 +280,7 @@ fn a_line_that_is_no_frame_is_a_damaged_piece() {
     for (from, to) in [
         ("health", "wealth"),
         ("1000", "-1000"),
-        ("\"version\":8", "\"version\":9"),
+        ("\"version\":9", "\"version\":8"),
         ("\"life_used\":0.0", "\"life_used\":null"),
     ] {
         assert!(line.contains(from));

@@ -1,4 +1,4 @@
-//! Input of the monitor's port in a run of a recording: a record a tick and temperatures ten times a
+//! Input of the monitor's port in a run of a recording: displacements at the probes and a record a tick, and temperatures ten times a
 //! second, spoilt by faults if wanted. Now and then comes a command of the operator's.
 
 pub mod faults;
@@ -12,7 +12,7 @@ use host_tests::telemetry::operator::Operator;
 use host_tests::telemetry::state::State;
 use records::Recording;
 use spindle_monitor::Alarm;
-use spindle_monitor::command::{self, Command, ORDER_EVERY};
+use spindle_monitor::command::{self, Command, MOST_PROBES, ORDER_EVERY};
 
 /// Bytes that the link takes in a tick: 921,600 baud for a millisecond.
 pub const ROOM: u16 = 92;
@@ -55,6 +55,11 @@ pub fn ticks(
         operator.follow(&state)?;
         let mut bytes = std::mem::take(operator.get_mut());
         let spoilt = spoiler.spoil(tick, recording);
+        let probes = recording.probes.get(tick).copied();
+        let is_seen = |probes: &[f32; MOST_PROBES]| probes.iter().any(|um| um.is_finite());
+        if let Some(probes) = probes.filter(is_seen) {
+            bytes.extend(command::encode(Command::Probes(probes)));
+        }
         if let Some(spoilt) = &spoilt {
             bytes.extend(&spoilt.bytes);
             let temperatures = spoilt.temperatures.filter(|_| tick % TEMPERATURES == 0);

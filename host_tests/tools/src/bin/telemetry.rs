@@ -54,6 +54,11 @@ struct Arguments {
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     shaft_stands: bool,
 
+    /// The spindle is as it should be: its probes' ratios so far are the reference, with the board in service; with --view,
+    /// press c
+    #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
+    commission: bool,
+
     /// Baud rate of the port
     #[arg(long, value_name = "BAUD", default_value_t = 921_600)]
     baud: u32,
@@ -81,7 +86,7 @@ struct Arguments {
     )]
     json: Option<String>,
 
-    /// Show the stream live; q leaves. With a port: a acknowledges alarms, r replaces the bearing
+    /// Show the stream live; q leaves. With a port: a acknowledges alarms, r replaces the bearing, c commissions the probes
     #[arg(long)]
     view: bool,
 
@@ -120,6 +125,9 @@ fn run(arguments: &Arguments) -> Result<()> {
         }
         if arguments.shaft_stands {
             operator.want(Order::ShaftStands);
+        }
+        if arguments.commission {
+            operator.want(Order::Commission);
         }
     }
     let shows = arguments.view || arguments.picture.is_some();
@@ -184,7 +192,12 @@ mod tests {
     #[test]
     fn what_a_source_cannot_do_is_refused() {
         let parse = |words: &[&str]| Arguments::try_parse_from([&["telemetry"], words].concat());
-        for order in ["--acknowledge", "--new-bearing", "--shaft-stands"] {
+        for order in [
+            "--acknowledge",
+            "--new-bearing",
+            "--shaft-stands",
+            "--commission",
+        ] {
             let order = &[order][..];
             assert!(parse(&[&["--port", "COM3"], order].concat()).is_ok());
             for source in [&["--simulate"][..], &["--replay", "stream"]] {

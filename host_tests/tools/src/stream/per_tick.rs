@@ -3,6 +3,7 @@
 use anyhow::{Result, bail, ensure};
 use files::fault::LoadsError;
 use files::recordings::LoadRow;
+use spindle_monitor::command::MOST_PROBES;
 use spindle_monitor::record::LoadRecord;
 
 /// Longest time that a record is held, s.
@@ -15,6 +16,8 @@ pub struct TickInput {
     pub record: LoadRecord,
     /// Temperatures of the inner and of the outer side, degrees Celsius.
     pub temperatures: Option<[f32; 2]>,
+    /// Displacements at the probes, um; none where the record of the tick before is held.
+    pub probes: [Option<f32>; MOST_PROBES],
 }
 
 /// The ticks of a recording, in order. Rows that cannot be read are left out.
@@ -134,6 +137,9 @@ impl<I: Iterator<Item = Result<LoadRow, LoadsError>>> PerTick<I> {
         Ok(Some(TickInput {
             record,
             temperatures: row.temperatures.map(|read| read.map(|t| t as f32)),
+            probes: row
+                .probes
+                .map(|read| read.filter(|_| rows > 0).map(|um| um as f32)),
         }))
     }
 }
@@ -164,6 +170,7 @@ mod tests {
                 load: [(1e3 * time_s).round(), 0.0, 0.0, 0.0, 0.0],
                 speed_rpm: 0.0,
                 temperatures: None,
+                probes: [None; 4],
             }),
         });
         let mut ticks = PerTick::new(rows, 1000);

@@ -17,7 +17,9 @@ use ratatui::widgets::canvas::{self, Canvas, Circle};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
 use serde_json::{Value, json};
 use spindle_bearing::Frequencies;
+use spindle_monitor::Alarm;
 use spindle_monitor::judgement::AlarmState;
+use spindle_monitor::response::{self, Fault};
 use std::ops::Range;
 use std::slice;
 use std::sync::mpsc::RecvTimeoutError;
@@ -73,15 +75,17 @@ const fn flag(is_amiss: bool) -> Style {
 fn render(state: &State, area: Rect, buffer: &mut Buffer) {
     let count = state.row_count().clamp(1, MOST_ROWS);
     let alarms = state.standing().count().max(1) as u16;
+    let probes = probe_lines(state);
     // The loads say all of a single row.
     let rows = match count {
         1 => 0,
         _ => 1 + state.rows.len().min(MOST_ROWS) as u16,
     };
-    let [head, table, middle, below, counters] = Layout::vertical([
+    let [head, table, middle, seen, below, counters] = Layout::vertical([
         Constraint::Length(2),
         Constraint::Length(rows),
         Constraint::Min(8),
+        Constraint::Length(probes.len() as u16),
         Constraint::Length(alarms + 2),
         Constraint::Length(12),
     ])
@@ -100,6 +104,7 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
     course(state, "N/um", 0..3, 1e-6, linear, buffer);
     course(state, "kN m/rad", 3..5, 1e-3, tilting, buffer);
     row_pictures(state, count, right, buffer);
+    Paragraph::new(probes).render(seen, buffer);
     Widget::render(alarm_table(state), below, buffer);
     health(state).render(counters, buffer);
 }
@@ -347,6 +352,41 @@ fn polar(balls: &Balls, scale: f64, name: &str, area: Rect, buffer: &mut Buffer)
         .render(area, buffer);
 }
 
+/// Alarms that are about probes.
+const OF_PROBES: [Alarm; 3] = [Alarm::StiffnessLoss, Alarm::StiffnessGain, Alarm::Probe];
+
+/// Measured over computed displacement, a line a probe and one of the fault; none without probes.
+fn probe_lines(state: &State) -> Vec<Line<'static>> {
+    let Some(report) = &state.probes else {
+        return Vec::new();
+    };
+    let probes = report.probes.iter().enumerate().map(|(i, probe)| {
+        let ratio = probe.ratio.map_or("no reference yet".into(), |ratio| {
+            let [value, error] = [ratio.value, ratio.error].map(|x| 100.0 * x);
+            format!("compliance {value:.2} +- {error:.2} % of that at commissioning")
+        });
+        let (steps, age) = (probe.steps, probe.age);
+        let name = probe.state.name();
+        let words =
+            format!(" probe {i} {name}: {ratio}, {steps} load steps, the last {age} ticks ago");
+        let is_amiss = !matches!(probe.state, response::State::Learning | response::State::Ok);
+        Line::styled(words, flag(is_amiss))
+    });
+    let mut lines: Vec<_> = probes.collect();
+    let fault = report.fault.map(|fault| match fault {
+        Fault::Preload => "they fit a loss of preload".into(),
+        Fault::ContactAngle => "they fit another contact angle".into(),
+        Fault::Support(row) => format!("they fit a softer support of row {row}"),
+    });
+    let aliased = "runout cannot be told from drift at this speed: nothing counts".to_owned();
+    let words = [fault, report.aliased.then_some(aliased)];
+    let words: Vec<String> = words.into_iter().flatten().collect();
+    if !words.is_empty() {
+        lines.push(format!("   {}", words.join("; ")).into());
+    }
+    lines
+}
+
 fn alarm_table(state: &State) -> Table<'static> {
     let rows = state.standing().map(|(since, report)| {
         let style = match report.state {
@@ -354,9 +394,12 @@ fn alarm_table(state: &State) -> Table<'static> {
             AlarmState::Latched => Style::new().fg(Color::Yellow),
             _ => Style::new().fg(FAINT),
         };
-        let place = report.ball.and_then(|of| state.row_and_ball(of));
-        let ball = match (place, report.ball) {
+        let is_of_probes = OF_PROBES.contains(&report.alarm);
+        let ball = report.place.filter(|_| !is_of_probes);
+        let ball = ball.and_then(|of| state.row_and_ball(of));
+        let place = match (ball, report.place) {
             (Some((row, ball)), _) if state.row_count() > 1 => format!("row {row} ball {ball}"),
+            (_, Some(probe)) if is_of_probes => format!("probe {probe}"),
             (_, Some(ball)) => format!("ball {ball}"),
             (_, None) => String::new(),
         };
@@ -365,7 +408,7 @@ fn alarm_table(state: &State) -> Table<'static> {
             format!(" {}", report.alarm.name()),
             report.state.name().into(),
             format!("{value} of {limit} {}", report.alarm.unit()),
-            ball,
+            place,
             format!("since {:.2} s", *since as f64 * 1e-6),
             format!("{} times", report.raised),
         ]);

@@ -44,6 +44,7 @@ fn seen(preload: f64, speed_rpm: f64) -> [[f64; 2]; 2] {
                 load,
                 speed_rpm,
                 temperatures: None,
+                probes: [None; 4],
             };
             let answer = solver.answer(&file.question_at_probes(&row));
             [0, 1].map(|i| file.probes[i].sees(&answer.at[i].displacement))

@@ -24,9 +24,10 @@ use anyhow::{Result, anyhow};
 use clap::Parser;
 use emulator::Firmware;
 use files::import::Import;
+use files::spindles::SpindleFile;
 use host_tests::milling_cycle::record_of;
 use plan::Plan;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc;
 use std::thread;
@@ -60,7 +61,8 @@ struct Arguments {
     spindle: Option<String>,
 
     /// Recorded loads: CSV with the header
-    /// time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm, and t_inner_c,t_outer_c if there are temperatures; `-` is standard input
+    /// time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm, t_inner_c,t_outer_c if there are temperatures, and probe_NAME_um for each probe;
+    /// `-` is standard input
     /// [default: the project's milling cycle]
     #[arg(value_name = "RECORDING")]
     recording: Option<String>,
@@ -120,7 +122,12 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let shipped = || record_of(about.rows).to_owned();
     let path = arguments.recording.clone().unwrap_or_else(shipped);
     let import = arguments.import.as_deref().map(Import::read).transpose()?;
-    let recording = records::read(&path, import.as_ref(), arguments.seconds, about.period_us)?;
+    let file = spindle
+        .as_deref()
+        .map(|file| SpindleFile::read(Path::new(file)));
+    let probes = file.transpose()?.map_or_else(Vec::new, |file| file.probes);
+    let (import, seconds) = (import.as_ref(), arguments.seconds);
+    let recording = records::read(&path, import, &probes, seconds, about.period_us)?;
     tools::cross::add_target(root)?;
     emulator::find()?;
     let firmware = Firmware::build(root, spindle.as_deref(), &twin)?;

@@ -29,7 +29,7 @@ struct Story {
 /// An alarm was not told of, or a self-check failed.
 pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     let mut alarms = [Story::default(); Alarm::COUNT];
-    let [mut reports, mut answers] = [0_u64; 2];
+    let [mut reports, mut answers, mut probes] = [0_u64; 3];
     for frame in &answer.frames {
         match &frame.payload {
             Payload::Alarm(report) => {
@@ -40,6 +40,7 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
             }
             Payload::Health(_) => reports += 1,
             Payload::Answer(_) => answers += 1,
+            Payload::Probes(_) => probes += 1,
             Payload::Hello(report) => {
                 ensure!(
                     !report.board.is_broken(),
@@ -97,6 +98,9 @@ pub fn summary(plan: &Plan, answer: &Answer) -> Result<String> {
     }
     line("frames of health", reports)?;
     line("frames of answers", answers)?;
+    if probes > 0 {
+        line("frames of probes", probes)?;
+    }
     let solved = 100 * health.estimates / (health.estimates + health.refusals).max(1);
     let name = format!("good samples solved, %, up to {ENOUGH}");
     line(&name, solved.min(ENOUGH))?;

@@ -297,7 +297,7 @@ fn paced(ticks: Vec<Tick>) -> Vec<Tick> {
 /// Measures all boards.
 pub fn measure(root: &Path) -> Result<Vec<Costs>> {
     let record = record_of(ROWS);
-    let mut recording = records::read(record, None, Some(SECONDS), PERIOD_US)?;
+    let mut recording = records::read(record, None, &[], Some(SECONDS), PERIOD_US)?;
     let episodes = faults::schedule(SEED, &recording.records);
     let mut spoiler = Spoiler::new(SEED, episodes);
     let teeth = teeth(&recording.records);

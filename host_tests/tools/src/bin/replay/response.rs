@@ -8,6 +8,7 @@ use files::spindles::SpindleFile;
 use host_tests::replay::{REFUSED_INPUT, Summary};
 use host_tests::spindles::{AnySolver, Choices};
 use rayon::prelude::*;
+use spindle_monitor::Alarm;
 use spindle_monitor::response::{LEAST_STEPS, Response, is_aliased};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -45,10 +46,9 @@ fn window(text: &str) -> Result<[f64; 2], String> {
     ordered.ok_or_else(|| "give seconds FROM:TO, such as 0:10".to_owned())
 }
 
-/// A row of the recording: its loads, readings and, once it is solved, the displacements computed at the probes, um.
+/// A row of the recording: its loads and, once it is solved, the displacements computed at the probes, um.
 struct Record {
     row: Option<LoadRow>,
-    measured: Vec<Option<f64>>,
     computed: Result<Vec<f64>, (&'static str, String)>,
 }
 
@@ -156,7 +156,6 @@ fn read(loads: &mut Loads, summary: &mut Summary) -> Result<Vec<Record>> {
         };
         records.push(Record {
             row,
-            measured: loads.readings().to_vec(),
             computed: Err((REFUSED_INPUT, String::new())),
         });
     }
@@ -218,8 +217,10 @@ impl<'h, const P: usize> History<'h, P> {
 
     fn new_response(&self) -> Response<P> {
         let accuracies = std::array::from_fn(|i| self.file.probes[i].accuracy as f32);
-        let limit = self.file.monitor.response_limit as f32;
-        Response::new(accuracies, (1.0 / self.step) as f32, limit)
+        let alarms = &self.file.monitor.alarms;
+        let limits = [Alarm::StiffnessLoss, Alarm::StiffnessGain]
+            .map(|alarm| alarms[alarm as usize].limit as f32);
+        Response::new(accuracies, (1.0 / self.step) as f32, limits)
     }
 
     /// Step of time and first second, of the first records.
@@ -289,7 +290,7 @@ impl<'h, const P: usize> History<'h, P> {
         }
         let computed = record.computed.as_ref().ok();
         let computed = computed.map(|all| std::array::from_fn(|i| all[i] as f32));
-        let measured = |i: usize| record.measured.get(i).copied().flatten().map(|m| m as f32);
+        let measured = |i: usize| Some(record.row?.probes[i]? as f32);
         response.tick(Some(self.rpm), computed, std::array::from_fn(measured));
         self.last = time;
         while time + 1.5 * self.step >= self.next {

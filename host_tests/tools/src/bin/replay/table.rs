@@ -102,6 +102,7 @@ impl Axes {
                 load,
                 speed_rpm,
                 temperatures: reference.map(|_| [inner, outer]),
+                probes: [None; 4],
             }
         })
     }

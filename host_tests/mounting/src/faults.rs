@@ -1,0 +1,150 @@
+//! Small faults of a spindle, and by how much each lets the probes see more of a usual cut: for naming faults by the ratios.
+
+use crate::{Visitor, visit};
+use files::designs::DesignFileError;
+use files::plan::{BuildError, MOST_BALLS, Plan};
+use files::probes::Probe;
+use files::spindles::SpindleFile;
+use spindle_bearing::{
+    FreeContact, Preload, RacewayControlFree, Settings, Speed, Spindle, SpindleSolver,
+};
+use spindle_monitor::response::Fault;
+use std::array::from_fn;
+
+/// Part that a fault takes away of what it is about: small.
+const SMALL: f64 = 0.05;
+
+/// Each fault with the change of the displacement at each probe, parts of 1, by the usual cut of the file's monitor; none
+/// without such a cut, or without probes.
+///
+/// # Errors
+///
+/// The spindle cannot be built, or has no equilibrium under that cut.
+pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileError> {
+    if file.probes.is_empty() || file.monitor.cut.0 == [0.0; 5] {
+        return Ok(Vec::new());
+    }
+    let explained = |error: BuildError| file.explain(&error);
+    let sound = Seen::of(file, &file.plan).map_err(explained)?;
+    let faults = faults(&file.plan, &sound.closures);
+    let changes = faults.into_iter().map(|(fault, plan)| {
+        let seen = Seen::of(file, &plan).map_err(explained)?;
+        let pairs = seen.displacements.iter().zip(&sound.displacements);
+        let changes = pairs.map(|(is, was)| is / was - 1.0);
+        // A probe that sees nothing of the cut tells nothing of faults.
+        let finite = |change: f64| if change.is_finite() { change } else { 0.0 };
+        Ok((fault, changes.map(finite).collect()))
+    });
+    changes.collect()
+}
+
+/// The spindle with each fault.
+fn faults(plan: &Plan, closures: &[f64]) -> Vec<(Fault, Plan)> {
+    let mut faults = Vec::new();
+    let mut lost = plan.clone();
+    for force in [&mut lost.spring].into_iter().flatten() {
+        *force *= 1.0 - SMALL;
+    }
+    if let Some((force, _)) = &mut lost.mounted_preload {
+        *force *= 1.0 - SMALL;
+    }
+    for row in &mut lost.rows {
+        match &mut row.preload {
+            Preload::Force(force) => *force *= 1.0 - SMALL,
+            // A force goes with its power of 3/2.
+            Preload::Closure(closure) => *closure *= 1.0 - SMALL / 1.5,
+            _ => {}
+        }
+    }
+    faults.push((Fault::Preload, lost));
+    for sign in [-1.0, 1.0] {
+        let mut inclined = Plan {
+            mounted_preload: None,
+            ..plan.clone()
+        };
+        for (row, closure) in inclined.rows.iter_mut().zip(closures) {
+            if !matches!(row.preload, Preload::Spring) {
+                row.preload = Preload::Closure(*closure);
+            }
+            let part = 1.0 + sign * SMALL;
+            row.design.free_contact = match row.design.free_contact {
+                FreeContact::Angle(angle) => FreeContact::Angle(angle * part),
+                // A small angle goes with its root.
+                FreeContact::DiametralClearance(clearance) => {
+                    FreeContact::DiametralClearance(clearance * part * part)
+                }
+            };
+        }
+        faults.push((Fault::ContactAngle, inclined));
+    }
+    let supports = plan.shaft.as_ref().map_or(0, |shaft| shaft.supports.len());
+    for row in 0..supports {
+        for freedom in 0..3 {
+            let mut soft = plan.clone();
+            let support = soft.shaft.as_mut().map(|shaft| &mut shaft.supports[row]);
+            let stiffness = support.map(|of| match freedom {
+                0 => &mut of.axial,
+                1 => &mut of.radial,
+                _ => &mut of.tilting,
+            });
+            if let Some(stiffness) = stiffness.filter(|stiffness| stiffness.is_finite()) {
+                *stiffness *= 1.0 - SMALL;
+                faults.push((Fault::Support(row as u8), soft));
+            }
+        }
+    }
+    faults
+}
+
+/// A spindle under the cut.
+#[derive(Default)]
+struct Seen {
+    /// Displacement by the cut at each probe, um.
+    displacements: Vec<f64>,
+    /// Axial closure of each row, m.
+    closures: Vec<f64>,
+}
+
+impl Seen {
+    fn of(file: &SpindleFile, plan: &Plan) -> Result<Self, BuildError> {
+        let mut seen = Self::default();
+        visit::<f64>(plan, Look(file, &mut seen))?;
+        Ok(seen)
+    }
+}
+
+struct Look<'f>(&'f SpindleFile, &'f mut Seen);
+
+impl<'p> Visitor<'p, f64> for Look<'_> {
+    fn visit<const R: usize, const D: usize, const E: usize>(
+        self,
+        spindle: Spindle<'p, f64, R, MOST_BALLS, D, E>,
+        loaded_at: f64,
+    ) -> Result<(), BuildError> {
+        let Look(file, seen) = self;
+        let monitor = &file.monitor;
+        let ((cut, speed), growths) = (monitor.cut, file.growths());
+        let mut solver = SpindleSolver::<f64, R, MOST_BALLS, RacewayControlFree, D, E>::of();
+        let mut displacement = |share: f64| {
+            let load = from_fn(|i| monitor.idle[i] + share * cut[i]);
+            let at = Speed::rad_per_s(speed).with_growth(from_fn(|i| growths[i][0]));
+            let solution = solver.solve(&spindle, load, at, &Settings::DEFAULT);
+            let solution = solution.map_err(|status| {
+                BuildError::Spindle(format!(
+                    "the cut of [monitor.cut] has no equilibrium ({status}): give the loads of a usual cut"
+                ))
+            })?;
+            let sees =
+                |probe: &Probe| probe.sees(&solution.displacement_at(probe.position - loaded_at));
+            Ok(file.probes.iter().map(sees).collect::<Vec<f64>>())
+        };
+        let (idle, cut) = (displacement(0.0)?, displacement(1.0)?);
+        seen.displacements = cut
+            .iter()
+            .zip(&idle)
+            .map(|(cut, idle)| cut - idle)
+            .collect();
+        seen.closures = spindle.closures().to_vec();
+        Ok(())
+    }
+}
