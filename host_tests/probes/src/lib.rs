@@ -3,6 +3,8 @@
 
 #![no_std]
 
+pub mod solves;
+
 use core::fmt::{self, Write};
 use core::hint::black_box;
 use core::marker::PhantomData;

@@ -7,6 +7,8 @@ pub mod chart;
 pub mod cross;
 #[cfg(feature = "full")]
 pub mod drawing;
+#[cfg(feature = "board")]
+pub mod emulator;
 #[cfg(feature = "full")]
 pub mod graph;
 pub mod output;
@@ -14,6 +16,8 @@ pub mod report;
 pub mod stream;
 #[cfg(feature = "board")]
 pub mod telemetry;
+#[cfg(feature = "full")]
+pub mod workload;
 
 use std::path::Path;
 use std::process::Command;

@@ -20,12 +20,10 @@ probes::image!(measured::keep, proved: option_env!("PROVED").is_some());
 mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
+    use probes::solves::BALLS;
     use probes::{Answer, Axial, Clamped, Elastic, Precision, Question, Ring, Scene, Sprung};
     use spindle_bearing::{Bearing, Centrifugal, RacewayControlFree, Static};
     use spindle_bearing::{Design, FreeContact, InnerRaceControl, Material, OuterRaceControl};
-
-    /// Balls of a row.
-    const BALLS: usize = 16;
 
     struct Choice<const I: usize>;
 

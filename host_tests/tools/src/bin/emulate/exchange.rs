@@ -1,6 +1,5 @@
 //! The run itself: the board's bytes, held against the bytes of the host's build of the same monitor.
 
-use crate::emulator::{Board, Firmware, Log, MACHINE};
 use crate::plan::Plan;
 use crate::rows;
 use anyhow::{Result, bail};
@@ -9,6 +8,7 @@ use spindle_monitor::telemetry::{Frame, Payload};
 use std::io::{self, Write};
 use std::sync::mpsc::SyncSender;
 use std::time::Duration;
+use tools::emulator::{AGAIN, Board, Firmware, Log, MACHINE};
 
 /// Where a copy of the board's bytes goes.
 pub type Tee = SyncSender<io::Result<Vec<u8>>>;
@@ -82,7 +82,7 @@ pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<
     std::thread::sleep(Duration::from_millis(100));
     board.read_log(&mut log)?;
     let unwanted = |line: &&String| {
-        line.ends_with("starting again")
+        line.ends_with(AGAIN)
             || line.starts_with("receiver lost")
             || line.starts_with("no equilibrium")
     };

@@ -8,12 +8,10 @@
 //! | --- | --- |
 //! | `twin` | the firmware's twin on this machine |
 //! | `plan` | the bytes for the board, and the answers it must give |
-//! | `emulator` | the firmware, and the running board: bytes in and out, lines of its log |
 //! | `exchange` | the run, and the comparison |
 //! | `rows` | an estimate as a row of the table |
 //! | `summary` | counts, and the golden file |
 
-mod emulator;
 mod exchange;
 mod plan;
 mod rows;
@@ -22,7 +20,6 @@ mod twin;
 
 use anyhow::{Result, anyhow};
 use clap::Parser;
-use emulator::Firmware;
 use files::import::Import;
 use files::spindles::SpindleFile;
 use host_tests::milling_cycle::record_of;
@@ -31,6 +28,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc;
 use std::thread;
+use tools::cross::{self, Build, TARGET};
+use tools::emulator::{self, Firmware};
 use tools::stream::faults::{self, Spoiler};
 use tools::stream::records;
 use tools::telemetry::session::Session;
@@ -122,15 +121,22 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let shipped = || record_of(about.rows).to_owned();
     let path = arguments.recording.clone().unwrap_or_else(shipped);
     let import = arguments.import.as_deref().map(Import::read).transpose()?;
-    let file = spindle
-        .as_deref()
-        .map(|file| SpindleFile::read(Path::new(file)));
-    let probes = file.transpose()?.map_or_else(Vec::new, |file| file.probes);
+    let file = spindle.as_deref().unwrap_or("examples/firmware/spindle.toml");
+    // A name of the catalogue is no file here.
+    let (here, name) = (root.join(file), Path::new(file));
+    let file = SpindleFile::read(if here.exists() { &here } else { name })?;
     let (import, seconds) = (import.as_ref(), arguments.seconds);
-    let recording = records::read(&path, import, &probes, seconds, about.period_us)?;
-    tools::cross::add_target(root)?;
+    let recording = records::read(&path, import, &file.probes, seconds, about.period_us)?;
+    cross::add_target(root)?;
     emulator::find()?;
-    let firmware = Firmware::build(root, spindle.as_deref(), &twin)?;
+    eprintln!("building the firmware for {TARGET}; the first time takes about a minute");
+    let built = Build {
+        program: "spindle_firmware",
+        environment: &[("SPINDLE", spindle.as_deref())],
+        ..Build::default()
+    }
+    .run(root)?;
+    let firmware = Firmware::read(twin.seal(&built)?)?;
     let episodes = match arguments.faults {
         true => faults::schedule(arguments.seed, &recording.records),
         false => Vec::new(),

@@ -3,9 +3,9 @@
 use crate::image::Image;
 use crate::machine::{Count, Machine};
 use crate::timing::Core;
-use crate::workload::State;
 use anyhow::{Result, bail};
 use host_tests::dispatch::Precision;
+use probes::solves::State;
 use spindle_bearing::{Design, FreeContact};
 
 /// An answer; equal answers are equal to the last bit.

@@ -3,18 +3,18 @@
 use crate::page;
 use crate::scenes::{self, Measured};
 use crate::ticks;
-use crate::workload::Work;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
 use tools::report::{self, FIGURES, Figures};
+use tools::workload;
 
 /// Part by which a figure may differ.
 const LEEWAY: f64 = 0.02;
 
 /// Measures all figures.
 pub fn measure(root: &Path) -> Result<Figures> {
-    let measured = scenes::run(root, scenes::programs(), &Work::all())?;
+    let measured = scenes::run(root, scenes::programs(), &workload::all())?;
     let mut figures: Figures = measured.iter().flat_map(Measured::figures).collect();
     figures.extend(ticks::figures(&ticks::measure(root)?));
     Ok(figures)

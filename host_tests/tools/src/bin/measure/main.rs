@@ -16,7 +16,6 @@ mod sweep;
 mod table;
 mod ticks;
 mod timing;
-mod workload;
 
 use anyhow::{Result, bail};
 

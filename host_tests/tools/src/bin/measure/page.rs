@@ -4,16 +4,17 @@ use crate::scenes::{self, BYTES, Measured, TICK};
 use crate::sweep;
 use crate::table::{markdown, thousands};
 use crate::ticks;
-use crate::workload::{BALLS, CASES, STARTS, Work};
 use anyhow::{Context, Result};
+use probes::solves::{BALLS, CASES, STARTS};
 use std::fs;
 use std::path::Path;
 use tools::chart;
 use tools::report::Figures;
+use tools::workload;
 
 /// Measures everything; writes the page and its picture. Returns the figures of the gate.
 pub fn write(root: &Path) -> Result<Figures> {
-    let works = Work::all();
+    let works = workload::all();
     let truths = sweep::truths(&works)?;
     let measured = scenes::run(root, sweep::programs(), &works)?;
     let ticks = ticks::measure(root)?;

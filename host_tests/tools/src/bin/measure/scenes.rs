@@ -4,11 +4,11 @@ use crate::bench::{Answer, Bench};
 use crate::image::Image;
 use crate::machine::Count;
 use crate::timing::Core;
-use crate::workload::{BALLS, STARTS, Work};
 use anyhow::{Context, Result, ensure};
 use host_tests::campaign::report::{Spread, name};
 use host_tests::dispatch::Precision;
-use probes::{Axial, Clamped, Elastic, Question, Ring, Sprung};
+use probes::solves::{BALLS, STARTS, Work};
+use probes::{Axial, Clamped, Elastic, Ring, Sprung};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Centrifugal, RacewayControlFree, Real, Settings, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
@@ -57,14 +57,7 @@ fn answers<T: Real, S: probes::Scene<T, BALLS, D>, const D: usize>(
     tolerances: &[f64],
 ) -> Result<Answers> {
     let bearing = Bearing::<T, BALLS>::of(&work.design)?;
-    let question = |start: usize, tolerance: f64| {
-        let (load, omega) = work.state(start, S::AT_SPEED);
-        Question {
-            load: std::array::from_fn(|i| T::of(load[i])),
-            omega: T::of(omega),
-            tolerance: T::of(tolerance),
-        }
-    };
+    let question = |start: usize, tolerance: f64| work.question::<T, S, D>(start, T::of(tolerance));
     let told = |answer: probes::Answer<T, D>| {
         let numbers = answer
             .displacement

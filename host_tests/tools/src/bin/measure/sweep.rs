@@ -3,13 +3,13 @@
 use crate::scenes::{self, FULL, Measured, Program, Solve, cycles, solved};
 use crate::table::{markdown, thousands};
 use crate::timing::Core;
-use crate::workload::{BALLS, STARTS, Work};
 use anyhow::Result;
 use host_tests::campaign::report::{Spread, name};
 use host_tests::cases;
 use host_tests::compare::stiffness_error;
 use host_tests::dispatch::{Attitude, Precision};
 use host_tests::reference::Task;
+use probes::solves::{BALLS, STARTS, Work};
 use rayon::prelude::*;
 use spindle_bearing::{Bearing, Settings, Solver, Speed};
 use tools::chart::{Chart, Curve, Panel, Style};

@@ -1,18 +1,16 @@
-//! The firmware, built and sealed, and the emulated board while it runs: bytes into its port and out of it, and lines of its
-//! log.
+//! An emulated board while it runs a firmware: bytes into its port and out of it, and lines of its log.
 
-use crate::twin::Twin;
-use anyhow::{Context, Result, anyhow, bail};
+use crate::cross::{self, Missing, output};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
 use std::fs;
 use std::io::{self, Read, Write};
 use std::net::TcpListener;
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
 use std::thread;
 use std::time::Duration;
-use tools::cross::{self, Build, Missing, TARGET, output};
 
 /// The emulator's command.
 const QEMU: &str = "qemu-system-arm";
@@ -29,6 +27,10 @@ fn version() -> Option<String> {
 }
 
 /// Sees to it that there is an emulator, and installs it where that is allowed.
+///
+/// # Errors
+///
+/// How to install it by hand.
 pub fn find() -> Result<()> {
     if version().is_none() {
         cross::install(&Missing {
@@ -55,21 +57,21 @@ pub struct Firmware {
 }
 
 impl Firmware {
-    /// Builds the firmware of the project in `root` for the spindle of a file, or for the shipped one, and has its twin seal it.
-    pub fn build(root: &Path, spindle: Option<&str>, twin: &Twin) -> Result<Self> {
-        eprintln!("building the firmware for {TARGET}; the first time takes about a minute");
-        let built = Build {
-            program: "spindle_firmware",
-            environment: &[("SPINDLE", spindle)],
-            ..Build::default()
-        }
-        .run(root)?;
-        let path = twin.seal(&built)?;
+    /// Reads the ELF at this path.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be read.
+    pub fn read(path: PathBuf) -> Result<Self> {
         let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         Ok(Self { path, elf })
     }
 
     /// The table that turns its log back into text.
+    ///
+    /// # Errors
+    ///
+    /// It has none.
     pub fn messages(&self) -> Result<Table> {
         Table::parse(&self.elf)?
             .with_context(|| format!("{} has no table of defmt messages", self.path.display()))
@@ -102,6 +104,9 @@ pub struct Board {
     log: Receiver<Vec<u8>>,
 }
 
+/// End of the line of a board that starts again, after a panic or a fault.
+pub const AGAIN: &str = "starting again";
+
 /// Longest silence of a board that runs.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -122,6 +127,10 @@ fn pumped<S: Read>(open: impl FnOnce() -> io::Result<S> + Send + 'static) -> Rec
 
 impl Board {
     /// Switches the board on.
+    ///
+    /// # Errors
+    ///
+    /// The emulator does not start.
     pub fn start(firmware: &Firmware) -> Result<Self> {
         // The second port, which the emulator reaches by a socket of this machine.
         let listener =
@@ -149,6 +158,8 @@ impl Board {
             .args(["-serial", "chardev:port"])
             .args(["-chardev", &log])
             .args(["-serial", "chardev:log"])
+            // A program may end the run.
+            .arg("-semihosting")
             .arg("-kernel")
             .arg(&firmware.path)
             .stdin(Stdio::piped())
@@ -187,12 +198,20 @@ impl Board {
     }
 
     /// The next bytes of the telemetry.
+    ///
+    /// # Errors
+    ///
+    /// The board is silent, or the emulator has stopped.
     pub fn bytes(&mut self) -> Result<Vec<u8>> {
         let bytes = self.bytes.recv_timeout(PATIENCE);
         bytes.map_err(|error| self.post_mortem(error))
     }
 
     /// Waits for the first line of the log.
+    ///
+    /// # Errors
+    ///
+    /// The board is silent, or the emulator has stopped; the log is none of this firmware.
     pub fn wait_for_log(&mut self, log: &mut Log<'_>) -> Result<()> {
         while log.lines.is_empty() {
             let bytes = self.log.recv_timeout(PATIENCE);
@@ -201,7 +220,30 @@ impl Board {
         Ok(())
     }
 
+    /// Prints the log until the program ends the run; returns its status.
+    ///
+    /// # Errors
+    ///
+    /// The board is silent or starts again; the log is none of this firmware.
+    pub fn print_log(mut self, mut log: Log<'_>) -> Result<ExitStatus> {
+        loop {
+            match self.log.recv_timeout(PATIENCE) {
+                Ok(bytes) => log.take(&bytes)?,
+                Err(RecvTimeoutError::Disconnected) => return Ok(self.running.wait()?),
+                Err(error) => return Err(self.post_mortem(error)),
+            }
+            for line in log.lines.drain(..) {
+                ensure!(!line.ends_with(AGAIN), "the board says: {line}");
+                println!("{line}");
+            }
+        }
+    }
+
     /// Takes the part of the log that is there.
+    ///
+    /// # Errors
+    ///
+    /// The log is none of this firmware.
     pub fn read_log(&mut self, log: &mut Log<'_>) -> Result<()> {
         self.log.try_iter().try_for_each(|bytes| log.take(&bytes))
     }
