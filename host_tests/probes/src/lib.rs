@@ -3,6 +3,11 @@
 
 #![no_std]
 
+#[cfg(all(target_os = "none", feature = "bench"))]
+extern crate self as probes;
+
+#[cfg(all(target_os = "none", feature = "bench"))]
+pub mod on_board;
 pub mod solves;
 
 use core::fmt::{self, Write};

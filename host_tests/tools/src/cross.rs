@@ -41,6 +41,8 @@ pub struct Build<'b> {
     pub origin: Origin,
     /// Its name.
     pub program: &'b str,
+    /// Features besides those of its origin.
+    pub features: &'b str,
     /// Arguments for the linker.
     pub link: &'b [&'b str],
     /// Settings of the profile, in the place of the project's.
@@ -70,6 +72,7 @@ impl Build<'_> {
                 .args(["-p", "probes", "--no-default-features"])
                 .args(["--target", TARGET]),
         };
+        command.args(["--features", self.features]);
         for setting in self.profile {
             command.args(["--config", &format!("profile.release.{setting}")]);
         }
