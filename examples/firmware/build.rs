@@ -309,7 +309,7 @@ impl<'p> Visitor<'p, f32> for Settings<'_> {
              #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
              #[allow(non_upper_case_globals)]\nconst inf: f32 = f32::INFINITY;\n\
              let mut settings = {settings:?};\n\
-             settings.tick = TickSettings::new(PERIOD_US, core_hz, cost);\n\
+             settings.tick = TickSettings::new(PERIOD_US, core_hz, cost.with_probes(PROBES));\n\
              match settings.check() {{\n\
              Ok(()) if settings.tick.has_time(ROWS, BALLS) => settings,\n\
              Ok(()) => panic!(\"a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls\"),\n\

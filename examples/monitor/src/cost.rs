@@ -14,6 +14,7 @@ impl CycleCost {
         open: 11_000,
         ball_look: 880,
         ball_report: 1_170,
+        probe: 2_500,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
@@ -25,5 +26,6 @@ impl CycleCost {
         open: 8_000,
         ball_look: 610,
         ball_report: 680,
+        probe: 1_500,
     };
 }

@@ -260,7 +260,8 @@ impl<
     const P: usize,
 > Monitor<R, N, FRAMES, D, E, P>
 {
-    /// A monitor at its beginning, of a spindle with probes.
+    /// A monitor at its beginning, of a spindle with probes, whose settings have the costs of
+    /// [`CycleCost::with_probes`](tick::CycleCost::with_probes).
     pub fn with_probes(
         spindle: &'static Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,

@@ -586,7 +586,8 @@ mod tests {
                 direction: [0.0, 0.6, -0.8],
                 accuracy: 0.2,
             }],
-            limit: 0.05,
+            identity: 0,
+            faults: &[(Fault::Preload, [0.06])],
         };
         assert_eq!(good.check(), Ok(()));
         assert_eq!(ResponseSettings::NONE.check(), Ok(()));
@@ -595,7 +596,7 @@ mod tests {
             (|s| s.probes[0].position = f32::NAN, "probes.position"),
             (|s| s.probes[0].direction = [0.0; 3], "probes.direction"),
             (|s| s.probes[0].accuracy = 0.0, "probes.accuracy"),
-            (|s| s.limit = f32::NAN, "limit"),
+            (|s| s.faults = &[(Fault::Preload, [f32::NAN])], "faults"),
         ];
         for (spoil, field) in spoils {
             let mut settings = good;

@@ -55,6 +55,8 @@ pub struct CycleCost {
     pub ball_look: u32,
     /// A ball where a report is taken of an equilibrium.
     pub ball_report: u32,
+    /// A probe, in any tick ([`CycleCost::with_probes`]).
+    pub probe: u32,
 }
 
 /// The cost of a tick's parts for one spindle, cycles.
@@ -74,6 +76,16 @@ pub struct SpindleCost {
 }
 
 impl CycleCost {
+    /// The cost of the ticks of a spindle with so many probes, besides.
+    #[must_use]
+    pub const fn with_probes(self, probes: usize) -> Self {
+        let all = self.probe.saturating_mul(probes as u32);
+        Self {
+            tick: self.tick.saturating_add(all),
+            ..self
+        }
+    }
+
     /// The cost for a spindle of so many rows, with so many balls in all, and at most so many in a row.
     pub const fn of(&self, rows: u32, all: u32, most: u32) -> SpindleCost {
         let square = rows.saturating_mul(rows);
@@ -432,6 +444,7 @@ mod tests {
             ball_step: 250,
             ball_look: 800,
             ball_report: 1000,
+            probe: 0,
         },
     };
 

@@ -156,7 +156,7 @@ pub fn settings<const R: usize>(
             hold_us: t.hold_us,
             warm: narrow(t.warm),
         }),
-        tick: TickSettings::new(*period_us, core_hz, cost),
+        tick: TickSettings::new(*period_us, core_hz, cost.with_probes(file.probes.len())),
         tolerance: Settings::<f32>::TICK.tolerance,
         accuracy: narrow(*accuracy),
         plausibility: PlausibilitySettings {

@@ -121,7 +121,9 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let shipped = || record_of(about.rows).to_owned();
     let path = arguments.recording.clone().unwrap_or_else(shipped);
     let import = arguments.import.as_deref().map(Import::read).transpose()?;
-    let file = spindle.as_deref().unwrap_or("examples/firmware/spindle.toml");
+    let file = spindle
+        .as_deref()
+        .unwrap_or("examples/firmware/spindle.toml");
     // A name of the catalogue is no file here.
     let (here, name) = (root.join(file), Path::new(file));
     let file = SpindleFile::read(if here.exists() { &here } else { name })?;
