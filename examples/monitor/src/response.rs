@@ -29,8 +29,6 @@ const STEADY: f32 = 0.01;
 const STEP: f32 = 5.0;
 /// A displacement that is computed to move by less than this part of the probe's accuracy is no load step.
 const RESOLVED: f32 = 0.1;
-/// A load step is at least this part of usual ones: ripple of a cut would wash out the memory of its engagements.
-const OF_USUAL: f32 = 0.25;
 /// Differences that the variance is a mean of.
 const QUIET: f32 = 64.0;
 /// Weight of that variance beside residuals of the steps, in steps.
@@ -277,10 +275,9 @@ struct Probe {
     value: f32,
     since: f32,
     stuck: u8,
-    /// Variance of differences without a step, and of how many; mean square of computed steps.
+    /// Variance of differences without a step, and of how many.
     quiet: f32,
     quiets: f32,
-    usual: f32,
     short: Memory,
     long: Memory,
     reference: Option<Ratio>,
@@ -303,7 +300,6 @@ impl Probe {
             stuck: 0,
             quiet: accuracy * accuracy,
             quiets: PRIOR,
-            usual: 0.0,
             short: Memory::default(),
             long: Memory::default(),
             reference: None,
@@ -361,14 +357,7 @@ impl Probe {
 
     /// The difference, if it is one over a load step; else its residual is noise.
     fn step(&mut self, difference: Option<Step>) -> Option<Step> {
-        let step = difference.filter(|step| {
-            let square = step.p * step.p;
-            let can = square > self.least();
-            if can {
-                self.usual += (square - self.usual) / if self.usual > 0.0 { 16.0 } else { 1.0 };
-            }
-            can && square > OF_USUAL * OF_USUAL * self.usual
-        });
+        let step = difference.filter(|step| step.p * step.p > self.least());
         if let (Some(Step { m, p }), None) = (difference, step) {
             let ratio = self.ratio().map_or(1.0, |ratio| ratio.value);
             let residual = m - ratio * p;
