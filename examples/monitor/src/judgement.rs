@@ -14,7 +14,8 @@ use core::fmt;
 use enumset::{EnumSet, EnumSetType};
 use serde::{Deserialize, Serialize};
 
-/// Alarms, the most serious first, with their numbers on the wire. A new one takes the next number.
+/// Alarms, with their numbers on the wire, from the most serious one to those of the monitor itself; then those of the probes. A new one
+/// takes the next number.
 #[derive(Debug, EnumSetType, Serialize, Deserialize)]
 #[enumset(repr = "u16")]
 #[serde(rename_all = "kebab-case")]
@@ -35,29 +36,29 @@ pub enum Alarm {
     PreloadLoss = 5,
     /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
     Overload = 6,
-    /// The spindle is more compliant than at commissioning: measured over computed displacement at a probe, less 1.
-    StiffnessLoss = 7,
-    /// The spindle is stiffer than at commissioning: 1 less that ratio.
-    StiffnessGain = 8,
     /// Rating life used up, part of 1.
-    LifeUsed = 9,
+    LifeUsed = 7,
     /// Samples have been doubted for a time: seconds since the last good one.
-    Sensor = 10,
-    /// A probe does not follow the loads: 1, else 0.
-    Probe = 11,
+    Sensor = 8,
     /// A temperature has not been measured for a time: seconds since the last good one.
-    Temperature = 12,
+    Temperature = 9,
     /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
-    Availability = 13,
+    Availability = 10,
     /// Ticks miss their deadline: how many within the last second or two.
-    Deadline = 14,
+    Deadline = 11,
+    /// The spindle is more compliant than at commissioning: measured over computed displacement at a probe, less 1.
+    StiffnessLoss = 12,
+    /// The spindle is stiffer than at commissioning: 1 less that ratio.
+    StiffnessGain = 13,
+    /// A probe does not follow the loads: 1, else 0.
+    Probe = 14,
 }
 
 impl Alarm {
     /// How many there are.
     pub const COUNT: usize = 15;
 
-    /// All alarms, the most serious first.
+    /// All alarms, in the order of their numbers.
     pub const ALL: [Self; Self::COUNT] = [
         Self::PeakPressure,
         Self::ContactAngle,
@@ -66,14 +67,14 @@ impl Alarm {
         Self::PreloadGrowth,
         Self::PreloadLoss,
         Self::Overload,
-        Self::StiffnessLoss,
-        Self::StiffnessGain,
         Self::LifeUsed,
         Self::Sensor,
-        Self::Probe,
         Self::Temperature,
         Self::Availability,
         Self::Deadline,
+        Self::StiffnessLoss,
+        Self::StiffnessGain,
+        Self::Probe,
     ];
 
     /// Short name in lower case, as tables print it.

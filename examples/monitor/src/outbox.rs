@@ -18,7 +18,7 @@ use heapless::{Deque, Vec};
 use serde::Serialize;
 
 /// Alarm reports that wait in order.
-const ALARM_QUEUE: usize = 4 * Alarm::COUNT;
+const ALARM_QUEUE: usize = 3 * Alarm::COUNT;
 
 /// A payload and when it was.
 #[derive(Debug, Clone, PartialEq)]

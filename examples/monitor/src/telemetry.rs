@@ -617,6 +617,9 @@ mod tests {
             "temperature",
             "availability",
             "deadline",
+            "stiffness-loss",
+            "stiffness-gain",
+            "probe",
         ];
         assert_eq!(numbers, core::array::from_fn(|i| (i as u8, names[i])));
         for (i, alarm) in Alarm::ALL.into_iter().enumerate() {

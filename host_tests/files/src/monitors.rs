@@ -34,7 +34,7 @@ pub struct MonitorFile {
     pub overload: [f64; 5],
     /// Accuracy of each measured load, N, N m; 0 for exact.
     pub accuracy: [f64; 5],
-    /// Levels of alarms, the most serious first.
+    /// Levels of alarms, in the order of their numbers.
     pub alarms: [AlarmLevels; 15],
     /// Bounds of temperatures: in use if the spindle has `[heat]`, where the reference is.
     pub temperatures: Temperatures,
@@ -303,7 +303,7 @@ type OfAlarm = (
 
 const NEVER: f64 = f64::INFINITY;
 
-/// The most serious first.
+/// In the order of their numbers.
 #[rustfmt::skip]
 const ALARMS: [OfAlarm; 15] = [
     ("peak-pressure", ("GPa", 1e9), [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
@@ -313,14 +313,14 @@ const ALARMS: [OfAlarm; 15] = [
     ("preload-growth", ("", 1.0), [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
     ("preload-loss", ("%", 1e-2), [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
     ("overload", ("%", 1e-2), [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
-    ("stiffness-loss", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_loss),
-    ("stiffness-gain", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_gain),
     ("life-used", ("%", 1e-2), [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
     ("sensor", ("s", 1.0), [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
-    ("probe", ("", 1.0), [0.5, 0.25, NEVER], 0.0, |k| &k.probe),
     ("temperature", ("s", 1.0), [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
     ("availability", ("%", 1e-2), [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
     ("deadline", ("", 1.0), [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),
+    ("stiffness-loss", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_loss),
+    ("stiffness-gain", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_gain),
+    ("probe", ("", 1.0), [0.5, 0.25, NEVER], 0.0, |k| &k.probe),
 ];
 
 /// A condition, the keys that may break it, and its words.

@@ -240,7 +240,7 @@ impl State {
         self.is_opposed() && report.is_some_and(|report| !(report.axial > 0.0))
     }
 
-    /// Alarms that stand or want attention, with the time of their last change, the most serious first.
+    /// Alarms that stand or want attention, with the time of their last change.
     /// Alarms that are clear, or pending for their hold time, are left out.
     pub fn standing(&self) -> impl Iterator<Item = &(u64, AlarmReport)> {
         let alarms = self.alarms.iter().flatten();

@@ -383,9 +383,9 @@ fn readings(csv: &str, import: Option<&str>) -> Result<Vec<Option<Vec<Option<f64
     };
     let input = Box::new(Cursor::new(csv.as_bytes().to_vec()));
     let loads = Loads::from_reader("r.csv", input, import.as_ref(), &wanted);
-    let mut loads = loads.map_err(|e| e.to_string())?;
+    let loads = loads.map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
-    while let Some(row) = loads.next() {
+    for row in loads {
         rows.push(row.ok().map(|row| row.probes[..2].to_vec()));
     }
     Ok(rows)

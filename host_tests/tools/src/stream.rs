@@ -1,5 +1,7 @@
-//! Input of the monitor's port in a run of a recording: displacements at the probes and a record a tick, and temperatures ten times a
-//! second, spoilt by faults if wanted. Now and then comes a command of the operator's.
+//! Input of the monitor's port in a run of a recording: displacements at the probes and a record a tick, and temperatures
+//! ten times a second.
+//!
+//! Faults spoil it if wanted. Now and then comes a command of the operator's.
 
 pub mod faults;
 pub mod per_tick;

@@ -363,7 +363,7 @@ fn probe_lines(state: &State) -> Vec<Line<'static>> {
     let probes = report.probes.iter().enumerate().map(|(i, probe)| {
         let ratio = probe.ratio.map_or("no reference yet".into(), |ratio| {
             let [value, error] = [ratio.value, ratio.error].map(|x| 100.0 * x);
-            format!("compliance {value:.2} +- {error:.2} % of that at commissioning")
+            format!("compliance {value:.2} +- {error:.2} % of commissioning")
         });
         let (steps, age) = (probe.steps, probe.age);
         let name = probe.state.name();
@@ -374,9 +374,9 @@ fn probe_lines(state: &State) -> Vec<Line<'static>> {
     });
     let mut lines: Vec<_> = probes.collect();
     let fault = report.fault.map(|fault| match fault {
-        Fault::Preload => "they fit a loss of preload".into(),
-        Fault::ContactAngle => "they fit another contact angle".into(),
-        Fault::Support(row) => format!("they fit a softer support of row {row}"),
+        Fault::Preload => "the ratios fit a loss of preload".into(),
+        Fault::ContactAngle => "the ratios fit another contact angle".into(),
+        Fault::Support(row) => format!("the ratios fit a softer support of row {row}"),
     });
     let aliased = "runout cannot be told from drift at this speed: nothing counts".to_owned();
     let words = [fault, report.aliased.then_some(aliased)];

@@ -12,8 +12,11 @@ use spindle_monitor::Mark;
 use spindle_monitor::board::{BoardReport, Check};
 use spindle_monitor::command::{self, Command, Order, Request};
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::response::{Fault, ProbeReport, Ratio, State as ProbeState};
 use spindle_monitor::retained::{Recovery, RetentionReport};
-use spindle_monitor::telemetry::{EstimateReport, HealthReport, HelloReport, Payload, encode};
+use spindle_monitor::telemetry::{
+    EstimateReport, HealthReport, HelloReport, Payload, ProbesReport, encode,
+};
 use std::io::{Cursor, Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
@@ -204,7 +207,7 @@ fn the_ball_with_the_largest_force_is_drawn_farthest_out_along_its_azimuth() {
 #[test]
 fn a_pair_shows_both_rows_and_their_places_on_the_shaft() {
     let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
-    slipping.ball = Some(19);
+    slipping.place = Some(19);
     let state = state_of(pair().into_iter().chain([Payload::Alarm(slipping)]));
     let parts = [
         "nose 61, 30, 37 N/um",
@@ -245,7 +248,7 @@ fn a_row_that_has_lost_its_preload_is_told_from_the_others() {
 #[test]
 fn a_single_row_is_shown_without_its_name_and_without_a_shaft() {
     let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
-    slipping.ball = Some(3);
+    slipping.place = Some(3);
     let mut payloads = balls(0, &[50.0; 16]);
     payloads.extend(rows(&[250.0], 0.0));
     payloads.extend([
@@ -301,6 +304,57 @@ fn any_state_can_be_drawn_on_any_screen() {
             }
         }
     }
+}
+
+#[test]
+fn probes_are_shown_with_their_ratios_and_the_fault_that_fits() {
+    let probe = |state, ratio: Option<[f32; 2]>| ProbeReport {
+        state,
+        ratio: ratio.map(|[value, error]| Ratio { value, error }),
+        steps: 46,
+        age: 312,
+    };
+    let report = |fault, aliased, probes: [ProbeReport; 2]| {
+        Payload::Probes(ProbesReport {
+            fault,
+            aliased,
+            probes: probes.into_iter().collect(),
+        })
+    };
+    let soft = [
+        probe(ProbeState::Ok, Some([1.0012, 0.0041])),
+        probe(ProbeState::StiffnessLoss, Some([1.0617, 0.0008])),
+    ];
+    let mut loss = alarm(
+        Alarm::StiffnessLoss,
+        AlarmChange::Raised,
+        AlarmState::Raised,
+    );
+    (loss.value, loss.limit, loss.place) = (0.0617, 0.05, Some(1));
+    let mut payloads = pair();
+    payloads.extend([
+        report(Some(Fault::Support(0)), false, soft),
+        Payload::Alarm(loss),
+    ]);
+    let state = state_of(payloads);
+    let known = [
+        "probe 0 ok: compliance 100.12 +- 0.41 % of commissioning, 46 load steps, the last 312 ticks ago",
+        "probe 1 stiffness-loss: compliance 106.17 +- 0.08 %",
+        "the ratios fit a softer support of row 0",
+        "stiffness-loss  raised",
+        " probe 1 ",
+    ];
+    shows(&state, &known);
+    let unknown = [
+        probe(ProbeState::Learning, None),
+        probe(ProbeState::Probe, None),
+    ];
+    let state = state_of([report(None, true, unknown)]);
+    shows(
+        &state,
+        &["probe 0 learning: no reference yet", "nothing counts"],
+    );
+    assert!(!text(&state_of(pair())).contains("probe"));
 }
 
 #[test]
