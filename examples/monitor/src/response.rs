@@ -13,6 +13,7 @@
 //!
 //! A harmonic of the revolution near a multiple of the sampling rate looks like a drift ([`is_aliased`]).
 
+use core::fmt;
 use serde::{Deserialize, Serialize};
 use spindle_bearing::sqrt_f32;
 
@@ -133,6 +134,16 @@ pub enum Fault {
     ContactAngle,
     /// The support of this row has grown softer.
     Support(u8),
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Preload => f.write_str("a loss of preload"),
+            Self::ContactAngle => f.write_str("another contact angle"),
+            Self::Support(row) => write!(f, "a softer support of row {row}"),
+        }
+    }
 }
 
 /// The fault that the changes of the ratios fit, and no other one does.

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use spindle_bearing::Frequencies;
 use spindle_monitor::Alarm;
 use spindle_monitor::judgement::AlarmState;
-use spindle_monitor::response::{self, Fault};
+use spindle_monitor::response;
 use std::ops::Range;
 use std::slice;
 use std::sync::mpsc::RecvTimeoutError;
@@ -373,11 +373,7 @@ fn probe_lines(state: &State) -> Vec<Line<'static>> {
         Line::styled(words, flag(is_amiss))
     });
     let mut lines: Vec<_> = probes.collect();
-    let fault = report.fault.map(|fault| match fault {
-        Fault::Preload => "the ratios fit a loss of preload".into(),
-        Fault::ContactAngle => "the ratios fit another contact angle".into(),
-        Fault::Support(row) => format!("the ratios fit a softer support of row {row}"),
-    });
+    let fault = report.fault.map(|fault| format!("the ratios fit {fault}"));
     let aliased = "runout cannot be told from drift at this speed: nothing counts".to_owned();
     let words = [fault, report.aliased.then_some(aliased)];
     let words: Vec<String> = words.into_iter().flatten().collect();

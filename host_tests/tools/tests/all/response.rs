@@ -53,9 +53,9 @@ fn seen(preload: f64, speed_rpm: f64) -> [[f64; 2]; 2] {
     solved.unwrap()
 }
 
-/// Half a second of cutting each second, of a spindle that has 100 N of its 250 N from a time on.
-fn recording(rpm: f64, seconds: u32, change: f64) -> String {
-    let truth = [250.0, 100.0].map(|preload| seen(preload, rpm));
+/// Half a second of cutting each second, of a spindle that has so much of its 250 N from a time on.
+fn recording(rpm: f64, seconds: u32, (preload, change): (f64, f64)) -> String {
+    let truth = [250.0, preload].map(|preload| seen(preload, rpm));
     let mut csv =
         "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,probe_axial_um,probe_nose_um\n".to_owned();
     for i in 0..1000 * seconds {
@@ -93,7 +93,7 @@ fn response(spindle: &str, args: &[&str], csv: &str, name: &str) -> (i32, String
 
 #[test]
 fn a_recording_with_probes_tells_a_loss_of_preload() {
-    let csv = recording(12_007.0, 14, 8.0);
+    let csv = recording(12_007.0, 14, (100.0, 8.0));
     let spindle = text(250.0, PROBES);
     let (status, told, text) = response(&spindle, &["--commission", "0:8"], &csv, "loss");
     assert_eq!(status, 0, "{told}");
@@ -125,7 +125,7 @@ fn a_recording_with_probes_tells_a_loss_of_preload() {
     assert_eq!((plotted.0, &*plotted.2), (0, ""));
     assert!(plotted.1.contains("axial") && plotted.1.contains("nose"));
     // The reference is complete after 20 engagements.
-    let csv = recording(12_007.0, 25, 22.0);
+    let csv = recording(12_007.0, 25, (100.0, 22.0));
     let (_, _, text) = response(&spindle, &[], &csv, "learning");
     for (second, state) in [(20, "learning"), (22, "ok"), (25, "stiffness-loss")] {
         let is_of = |line: &&str| line.starts_with(&format!("{second},"));
@@ -138,8 +138,23 @@ fn a_recording_with_probes_tells_a_loss_of_preload() {
 }
 
 #[test]
+fn a_response_names_the_fault_by_the_cut_of_the_file() {
+    let [fx, fy, fz, my, mz] = CUT;
+    let cut = format!(
+        "[monitor.cut]\nfx_n = {fx}\nfy_n = {fy}\nfz_n = {fz}\nmy_nm = {my}\nmz_nm = {mz}\nspeed_rpm = 12000\n"
+    );
+    let csv = recording(12_007.0, 25, (200.0, 10.0));
+    for (cut, told) in [(&*cut, true), ("", false)] {
+        let spindle = text(250.0, &format!("{PROBES}{cut}"));
+        let (_, said, _) = response(&spindle, &["--commission", "0:10"], &csv, "fault");
+        let line = "replay: at the end, the ratios fit a loss of preload";
+        assert_eq!(said.contains(line), told, "{said}");
+    }
+}
+
+#[test]
 fn a_response_says_what_it_lacks() {
-    let csv = recording(30_000.0, 2, 8.0);
+    let csv = recording(30_000.0, 2, (100.0, 8.0));
     let (status, told, text_) =
         response(&text(250.0, PROBES), &["--commission", "0:1"], &csv, "lack");
     assert_eq!(status, 0, "{told}");

@@ -9,7 +9,7 @@ use host_tests::replay::{REFUSED_INPUT, Summary};
 use host_tests::spindles::{AnySolver, Choices};
 use rayon::prelude::*;
 use spindle_monitor::Alarm;
-use spindle_monitor::response::{LEAST_STEPS, Response, is_aliased};
+use spindle_monitor::response::{Fault, LEAST_STEPS, Response, fault, is_aliased};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use tools::output::{NewFile, place};
@@ -138,6 +138,9 @@ pub fn replay(
         loads.file()
     );
     out.finish().map_err(|error| unwritable(path, &error))?;
+    if let Some(fault) = history.fault(&mounting::faults::changes(file)?) {
+        eprintln!("replay: at the end, the ratios fit {fault}");
+    }
     Ok(summary)
 }
 
@@ -181,6 +184,9 @@ fn solve(solver: &mut dyn AnySolver, file: &SpindleFile, block: &mut [Record]) {
 /// Records in their order.
 trait Take {
     fn take(&mut self, records: &[Record], summary: &mut Summary, text: &mut String);
+
+    /// The fault that the ratios of the last record fit, if they fit one alone.
+    fn fault(&self, faults: &[(Fault, Vec<f64>)]) -> Option<Fault>;
 }
 
 /// History of a spindle with `P` probes.
@@ -325,5 +331,15 @@ impl<const P: usize> Take for History<'_, P> {
             }
             self.add(record, text);
         }
+    }
+
+    fn fault(&self, faults: &[(Fault, Vec<f64>)]) -> Option<Fault> {
+        let reports = self.response.as_ref()?.reports();
+        let narrow = |changes: &[f64]| std::array::from_fn(|i| changes[i] as f32);
+        let faults: Vec<(Fault, [f32; P])> = faults
+            .iter()
+            .map(|(of, changes)| (*of, narrow(changes)))
+            .collect();
+        fault(&reports, &faults)
     }
 }
