@@ -258,8 +258,8 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
         accuracy: probe.accuracy as f32,
     });
     let probes: Vec<_> = probes.collect();
-    let identity =
-        crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(format!("{probes:?}").as_bytes());
+    let each: String = probes.iter().map(|probe| format!("{probe:?}")).collect();
+    let identity = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(each.as_bytes());
     let channels = file.probes.iter().map(|probe| probe.channel);
     let channels: Option<Vec<_>> = channels.collect();
     let channels = channels.filter(|channels| !channels.is_empty());

@@ -145,7 +145,8 @@ where
     /// Count of a channel, such as one behind the bridges, in the conversion that was read last; none without one, and at a rail.
     pub fn count(&self, channel: usize) -> Option<i32> {
         let count = *self.counts?.get(channel)?;
-        (count.abs() < <Self as BridgeAdc<K>>::RAIL).then_some(count)
+        let rail = <Self as BridgeAdc<K>>::RAIL;
+        (-rail < count && count < rail).then_some(count)
     }
 
     /// Gives the driver back, to start it again.
