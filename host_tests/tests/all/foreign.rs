@@ -1,17 +1,13 @@
 //! Recordings of other programs: proposed, filled in by the words of the file, and read to the letter.
 
-use files::designs::DesignFile;
 use files::fault::LoadsError;
 use files::import::{Import, Wanted};
-use files::plan::Question;
 use files::propose;
 use files::recordings::{LoadRow, Loads};
-use files::spindles::SpindleFile;
 use host_tests::cases::Random;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::io::Cursor;
-use std::path::Path;
 
 /// The recordings, and what is expected of each.
 const FOREIGN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/foreign");
@@ -633,52 +629,4 @@ fn one_record_of_so_many_is_read() {
     let loads = opened(text.as_bytes(), None, &every).unwrap();
     let times: Vec<f64> = loads.map(|row| row.unwrap().time_s).collect();
     assert_eq!(times, [0.0, 4.0, 8.0]);
-}
-
-/// Loads away from the centre, and constant ones, are the same as their sum about the centre.
-#[test]
-fn loads_act_where_they_stand() {
-    let bearing = "name = \"b\"\nballs = 16\nball_diameter_mm = 6.35\npitch_diameter_mm = 36\n\
-                   inner_groove_radius_mm = 3.27025\nouter_groove_factor = 0.525\ncontact_angle_deg = 15\n";
-    let more = "[load]\nposition_mm = -60\n[[constant_load]]\nposition_mm = 40\nfx_n = 5\nfy_n = -300\n\
-                [[constant_load]]\nposition_mm = 0\nfz_n = 7\n";
-    let file = DesignFile::parse("x", &format!("{bearing}{more}")).unwrap();
-    assert!((file.design.inner_groove_factor - 0.515).abs() < 1e-15);
-    let at = |file: &SpindleFile| -> Question {
-        file.question(&LoadRow {
-            time_s: 0.0,
-            load: [1.0, 100.0, 20.0, 0.5, 0.25],
-            speed_rpm: 0.0,
-            temperatures: None,
-            probes: [None; 4],
-        })
-    };
-    let expected = [
-        6.0,
-        -200.0,
-        27.0,
-        0.5 + 0.06 * 20.0,
-        0.25 - 0.06 * 100.0 - 0.04 * 300.0,
-    ];
-    let close = |question: Question| {
-        let pairs = question.load.into_iter().zip(expected);
-        pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) < 1e-12
-    };
-    assert!(close(at(&SpindleFile::from(file))));
-    let spindle = |design: &str, more: &str| {
-        let text = format!(
-            "name = \"s\"\n[[row]]\nposition_mm = 0\nfacing = \"+x\"\n[row.design]\n{design}\n{more}"
-        );
-        SpindleFile::parse("x", &text, Path::new(""))
-    };
-    assert!(close(at(&spindle(bearing, more).unwrap())));
-    let error = spindle(&format!("{bearing}load = {{ position_mm = 1 }}"), "").unwrap_err();
-    assert!(error.to_string().contains("a row has no loads"), "{error}");
-    let both =
-        DesignFile::parse("x", &format!("{bearing}inner_groove_factor = 0.515\n")).unwrap_err();
-    assert!(
-        both.to_string()
-            .contains("say the same thing, and line 5 already says it"),
-        "{both}"
-    );
 }
