@@ -370,9 +370,9 @@ fn judge_tick(trial: &Trial, number: usize, answers: [Answer; 2], is_followed: b
         };
         records[p].verdict = Verdict::Judged;
         records[p].errors = Some(errors(trial, &found, truth));
-        // Warm solves have a history, which may lead to another equilibrium.
-        let is_followed = is_followed && trial.set.is_none() && !trial.family.is_warm();
-        if is_followed && ticks[p].omega != 0.0 {
+        // The one family that is promised to end there.
+        let is_promised = trial.family == Family::Moderate && trial.set.is_none();
+        if is_followed && is_promised && ticks[p].omega != 0.0 {
             records[p].from_rest = from_rest(ticks[p]).map(|meant| {
                 let [u, q, _] = errors(trial, truth, &meant);
                 u.max(q) <= APART
@@ -421,7 +421,7 @@ pub fn search(trial: &Trial, records: &mut [Record; 2]) {
         let task = task(trial, tick, tick.omega);
         match &trial.set {
             Some(set) => set.reference.search(&task).ok(),
-            None => physical(trial, trial.reference.search(&task)),
+            None => physical(trial, trial.reference.solve(&task)),
         }
     });
     for record in records {

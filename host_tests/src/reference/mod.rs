@@ -274,28 +274,11 @@ impl Reference {
         })
     }
 
-    /// Equilibrium from a cold start.
+    /// Equilibrium from a cold start, by one method after another.
     ///
     /// # Errors
     /// See [`Failure`].
     pub fn solve(&self, task: &Task) -> Result<Equilibrium, Failure> {
-        self.cold(&Task {
-            thorough: true,
-            ..*task
-        })
-    }
-
-    /// Like [`Self::solve`], but sooner done with a load that has no equilibrium, or one that is hard
-    /// to find.
-    ///
-    /// # Errors
-    /// See [`Failure`].
-    pub fn search(&self, task: &Task) -> Result<Equilibrium, Failure> {
-        self.cold(task)
-    }
-
-    /// A cold start, by one method after another.
-    fn cold(&self, task: &Task) -> Result<Equilibrium, Failure> {
         task.check()?;
         let finish = |mut s: Stage| {
             self.newton(&mut s, task, 60)?;

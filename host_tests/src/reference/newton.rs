@@ -24,8 +24,6 @@ pub struct Task {
     pub(super) held: [Option<f64>; 5],
     pub(super) omega: f64,
     pub(super) attitude: Attitude,
-    /// Follows a solution in ever smaller steps before it gives up.
-    pub(super) thorough: bool,
 }
 
 impl Task {
@@ -36,7 +34,6 @@ impl Task {
             held: [None; 5],
             omega,
             attitude,
-            thorough: false,
         }
     }
 
@@ -225,11 +222,7 @@ impl Reference {
     pub(super) fn follow(&self, s: &mut Stage, from: &Task, to: &Task) -> Result<(), Failure> {
         let mut done = 0.0_f64;
         let mut stride = 1.0_f64;
-        let (least, most, limit) = if to.thorough {
-            (1e-4, usize::MAX, 40)
-        } else {
-            (0.01, 16, 25)
-        };
+        let (least, most, limit) = (0.01, 16, 25);
         let mut steps = 0;
         while done < 1.0 {
             steps += 1;

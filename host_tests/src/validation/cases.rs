@@ -170,7 +170,7 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     };
     if let Some(variant) = variant {
         let found = variant(reference(&design, balls))
-            .search(&Task::new(load, omega, run.attitude))
+            .solve(&Task::new(load, omega, run.attitude))
             .context("no equilibrium of the reference build")?;
         let case = with_equilibrium(case, found.displacement, found.stiffness);
         let ball = &found.balls[0];

@@ -180,7 +180,7 @@ impl<'t> Scene<'t> {
                 // Inner race control need not have an equilibrium.
                 let task = Task::new(values, omega, self.rule());
                 let task = task.holding(from_fn(|i| (!self.free[i]).then_some(values[i])));
-                if self.rule() == Attitude::Inner && self.reference.search(&task).is_err() {
+                if self.rule() == Attitude::Inner && self.reference.solve(&task).is_err() {
                     return Verdict::Excused;
                 }
                 return Verdict::Silent;
