@@ -467,6 +467,9 @@ impl SpindleFile {
             })
         });
         let noses = keys.nose.map(|keys| keys.read(r, bends));
+        let spring = spring.transpose()?;
+        let noses = noses.transpose()?.unwrap_or_default();
+        let heat = heat.transpose()?;
         let monitor = keys.monitor.read(r, &designs, reference)?;
         Ok(Self {
             name: name.into_inner(),
@@ -474,15 +477,15 @@ impl SpindleFile {
             plan: Plan {
                 rows,
                 arrangement,
-                spring: spring.transpose()?,
+                spring,
                 mounted_preload: mounted.map(|force| (force.into_inner(), growth.clone())),
                 shaft,
             },
-            noses: noses.transpose()?.unwrap_or_default(),
+            noses,
             probes: probes::read(r, keys.probe, monitor.bridges.as_ref())?,
             growth,
             bores,
-            heat: heat.transpose()?,
+            heat,
             monitor,
             doubts,
             loading,
