@@ -5,6 +5,7 @@
 
 use files::monitors::MonitorFile;
 use files::plan::{BuildError, MOST_BALLS, Plan, Row};
+use files::probes::Probe;
 use files::spindles::SpindleFile;
 use mounting::{Visitor, board};
 use spindle_bearing::{Design, Preload, Spindle, Support};
@@ -258,7 +259,12 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
         accuracy: probe.accuracy as f32,
     });
     let probes: Vec<_> = probes.collect();
-    let each: String = probes.iter().map(|probe| format!("{probe:?}")).collect();
+    // All that a ratio depends on besides the spindle.
+    let of = |probe: &Probe| format!("{:?}", (probe.position, probe.direction, probe.channel));
+    let mut each: String = file.probes.iter().map(of).collect();
+    if let Some(bridges) = file.monitor.bridges.as_ref().filter(|_| !each.is_empty()) {
+        write!(each, "{:?}", bridges.counts)?;
+    }
     let identity = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(each.as_bytes());
     let channels = file.probes.iter().map(|probe| probe.channel);
     let channels: Option<Vec<_>> = channels.collect();

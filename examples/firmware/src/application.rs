@@ -48,7 +48,7 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
     }
 }
 
-/// Keeps life and alarms over a power cycle, where the board has a memory for them.
+/// Keeps life, alarms and references over a power cycle, where the board has a memory for them.
 struct Keeper<C> {
     store: Option<Store<Flash<C>>>,
     /// Cycles of the core that a step may take.

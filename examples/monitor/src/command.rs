@@ -96,7 +96,7 @@ pub enum AnswerCode {
     NotInService,
     /// The alarm was raised again since, or not so often yet.
     NoSuchOccurrence,
-    /// A probe has seen too few load steps ([`LEAST_STEPS`](crate::response::LEAST_STEPS)), or there is none.
+    /// A probe has seen too few load steps ([`LEAST_STEPS`](crate::response::LEAST_STEPS)), or does not follow them, or there is none.
     TooFewSteps,
 }
 

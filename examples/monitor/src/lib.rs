@@ -336,7 +336,7 @@ impl<
             }
             Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
             Order::ReplaceBearing => AnswerCode::NotAtStandstill,
-            Order::Commission if self.commission() => AnswerCode::Done,
+            Order::Commission if self.probes.response.commission() => AnswerCode::Done,
             Order::Commission => AnswerCode::TooFewSteps,
         }
     }
@@ -364,16 +364,10 @@ impl<
         self.reports.set_board(report);
     }
 
-    /// Has a store keep life and alarms at once, since the supply is about to go ([`Store::power_fails`]).
+    /// Has a store keep life, alarms and references at once, since the supply is about to go ([`Store::power_fails`]).
     pub fn power_fails<F: NorFlash>(&self, time_us: u64, store: &mut Store<F>) -> bool {
         let references = self.probes.references();
         store.power_fails(time_us, &self.alarms, &self.life, &references)
-    }
-
-    /// Makes the ratios of measured over computed displacement so far the reference of the probes. Only if each has seen
-    /// [`LEAST_STEPS`](response::LEAST_STEPS) load steps and follows the loads; whether that was so.
-    pub fn commission(&mut self) -> bool {
-        self.probes.commission()
     }
 
     /// The spindle has a new bearing of the same design, with all of its life before it, and is to be commissioned. Only while the
@@ -681,7 +675,9 @@ impl<
                 let _ = rows.push(solution.row_summary(rows.len(), limits, &row.rating));
             }
             solution.share(rows.as_mut_slice().try_into().ok()?);
-            Some((solution.status, self.probes.computed(solution)))
+            let is_estimate = matches!(task.purpose, Purpose::Estimate);
+            let computed = is_estimate.then(|| self.probes.computed(solution));
+            Some((solution.status, computed.unwrap_or([0.0; P])))
         })
     }
 

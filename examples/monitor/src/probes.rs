@@ -1,8 +1,9 @@
 //! Measured and computed displacement at the probes, tick by tick.
 
+use crate::command::MOST_PROBES;
 use crate::judgement::{Alarm, Level, Levels, Thresholds};
 use crate::pairs::{Pairs, TickReadings};
-use crate::response::{LEAST_STEPS, Response, State, fault};
+use crate::response::{Response, fault};
 use crate::retained::References;
 use crate::settings::ResponseSettings;
 use crate::telemetry::ProbesReport;
@@ -29,6 +30,7 @@ impl<const P: usize> Probes<P> {
         thresholds: &Thresholds,
         period_us: u32,
     ) -> Self {
+        const { assert!(P <= MOST_PROBES, "there are four probes at most") };
         let accuracies = settings.probes.each_ref().map(|probe| probe.accuracy);
         let limits = [&thresholds.stiffness_loss, &thresholds.stiffness_gain];
         let limits = limits.map(|threshold| threshold.raise);
@@ -94,16 +96,6 @@ impl<const P: usize> Probes<P> {
             aliased: self.response.is_aliased(),
             probes: reports.into_iter().collect(),
         }
-    }
-
-    /// The ratios so far become the reference of all probes; whether each has seen enough.
-    pub(crate) fn commission(&mut self) -> bool {
-        let all = self
-            .response
-            .reports()
-            .iter()
-            .all(|report| report.state != State::Probe && report.steps >= LEAST_STEPS);
-        all && P > 0 && (0..P).all(|probe| self.response.refer(probe))
     }
 
     /// Goes on with the references of an earlier start, if they are those of these probes.

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! with the variance `s^2` of a difference and the difference `p'` before `p`, which shares a mean with it. Two memories forget
-//! old steps, some 6 and some 40 steps long. The reference is the ratio at commissioning: constant errors of the model and of gains
+//! old steps, some 4 and some 40 steps long. The reference is the ratio at commissioning: constant errors of the model and of gains
 //! cancel.
 //!
 //! A harmonic of the revolution near a multiple of the sampling rate looks like a drift ([`is_aliased`]).
@@ -38,9 +38,9 @@ const PRIOR: f32 = 4.0;
 const KEEP: [f32; 2] = [0.6, 39.0 / 41.0];
 /// Standard errors that a change must have.
 const ERRORS: f32 = 3.0;
-/// Standard errors where a memory has fewer differences than [`FEW`]: it is another one ten thousand times in a day's cutting.
+/// Standard errors where a memory has fewer differences than [`FEW`], so that chance raises no alarm in a day.
 const ERRORS_OF_FEW: f32 = 5.0;
-/// The short memory has some 5, the long one some 40.
+/// Weight of differences, each at first 1, below which a memory has few: the short one always, the long one at its beginning.
 const FEW: f32 = 12.0;
 /// No fault makes a spindle this much stiffer: the probe sees less than this part of the displacement.
 const LEAST: f32 = 0.6;
@@ -52,6 +52,8 @@ const STUCK: u8 = 100;
 const FARTHEST: f32 = 20.0;
 /// By this part of the largest change, parts of 1, the changes of a fault bend as it grows.
 const BEND: f32 = 0.1;
+/// No probe measures so far, um: sums of such numbers would not be finite.
+const FARTHEST_READING: f32 = 1e6;
 /// Load steps that a reference needs.
 pub const LEAST_STEPS: u32 = 6;
 
@@ -99,8 +101,9 @@ pub struct Ratio {
 impl Ratio {
     fn over(self, reference: Self) -> Self {
         let value = self.value / reference.value;
-        let [a, b] = [self, reference].map(|ratio| ratio.error / ratio.value);
-        let error = value * sqrt_f32(a * a + b * b);
+        let by_reference = value * reference.error;
+        let square = self.error * self.error + by_reference * by_reference;
+        let error = sqrt_f32(square) / reference.value;
         Self { value, error }
     }
 
@@ -128,9 +131,9 @@ pub struct ProbeReport {
 #[serde(rename_all = "kebab-case")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Fault {
-    /// Preload is lost.
+    /// The preload has changed.
     Preload,
-    /// The contact angle is another one, though the rows are mounted as before.
+    /// The contact angle has changed, though the rows are mounted as before.
     ContactAngle,
     /// The support of this row has grown softer.
     Support(u8),
@@ -139,8 +142,8 @@ pub enum Fault {
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Preload => f.write_str("a loss of preload"),
-            Self::ContactAngle => f.write_str("another contact angle"),
+            Self::Preload => f.write_str("a change of the preload"),
+            Self::ContactAngle => f.write_str("a change of the contact angle"),
             Self::Support(row) => write!(f, "a softer support of row {row}"),
         }
     }
@@ -329,7 +332,7 @@ impl Probe {
     /// Takes a measured displacement, if there is one, beside the computed one.
     fn add(&mut self, m: Option<f32>, p: f32) {
         self.age = self.age.saturating_add(1);
-        let m = m.filter(|m| m.is_finite());
+        let m = m.filter(|m| m.abs() < FARTHEST_READING);
         if m.is_some_and(|m| m != self.value) || self.since.is_nan() {
             (self.value, self.since, self.stuck) = (m.unwrap_or(f32::NAN), p, 0);
         } else {
@@ -370,7 +373,8 @@ impl Probe {
     fn step(&mut self, difference: Option<Step>) -> Option<Step> {
         let step = difference.filter(|step| step.p * step.p > self.least());
         if let (Some(Step { m, p }), None) = (difference, step) {
-            let ratio = self.ratio().map_or(1.0, |ratio| ratio.value);
+            let ratio = self.ratio().or(self.reference);
+            let ratio = ratio.map_or(1.0, |ratio| ratio.value);
             let residual = m - ratio * p;
             // A blow is no noise.
             let square = (residual * residual).min(STEP * STEP * self.quiet.max(1e-9));
@@ -398,11 +402,17 @@ impl Probe {
         [m + noise < LEAST * p, m - noise > p / LEAST]
     }
 
+    /// The ratio so far, if it may be a reference.
+    fn candidate(&self) -> Option<Ratio> {
+        let ratio = self.long.ratio(self.quiet)?;
+        (self.steps >= LEAST_STEPS && ratio.value > 0.0).then_some(ratio)
+    }
+
     /// Begins to compare with this reference.
     fn set_reference(&mut self, reference: Option<Ratio>) {
         self.reference = reference;
         (self.short, self.long) = (Memory::default(), Memory::default());
-        (self.steps, self.before) = (0, 0.0);
+        (self.steps, self.before, self.wrong) = (0, 0.0, 0);
     }
 
     /// Takes a load step.
@@ -523,7 +533,7 @@ impl<const P: usize> Response<P> {
         }
     }
 
-    /// Takes a tick: its speed (rpm), computed and measured displacements (um). Whether that was the last one of a block.
+    /// Takes a tick: its speed (rpm), computed and measured displacements (um). Returns whether it ends a block.
     ///
     /// There is no speed where it is not believed, nothing computed without a fresh solution of loads of this tick, and nothing
     /// measured where a probe gave no value.
@@ -563,13 +573,26 @@ impl<const P: usize> Response<P> {
         let Some(probe) = self.probes.get_mut(probe) else {
             return false;
         };
-        let ratio = probe.long.ratio(probe.quiet);
-        let Some(ratio) = ratio.filter(|ratio| probe.steps >= LEAST_STEPS && ratio.value > 0.0)
-        else {
-            return false;
-        };
-        probe.set_reference(Some(ratio));
-        true
+        let ratio = probe.candidate();
+        if ratio.is_some() {
+            probe.set_reference(ratio);
+        }
+        ratio.is_some()
+    }
+
+    /// Ends the references of all probes: the ratios so far. Returns whether each has seen [`LEAST_STEPS`] and follows the loads. If
+    /// not, a probe whose steps are at odds with its reference forgets that, so that it can learn another one.
+    pub fn commission(&mut self) -> bool {
+        let is_ready = |probe: &Probe| probe.candidate().is_some() && !probe.is_at_fault();
+        let all = P > 0 && self.probes.iter().all(is_ready);
+        for probe in &mut self.probes {
+            if all {
+                probe.set_reference(probe.candidate());
+            } else if probe.wrong >= WRONG {
+                probe.set_reference(None);
+            }
+        }
+        all
     }
 
     /// Takes the references of an earlier start, probe by probe: ratios at commissioning.

@@ -102,7 +102,7 @@ impl Recovery {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RetentionReport {
-    /// Recovery of life and alarms.
+    /// Recovery of life, alarms and references.
     pub recovery: Recovery,
     /// Damaged records that were met at the start, such as one that the power was lost in.
     pub damaged: u16,
@@ -172,8 +172,8 @@ impl Past {
             .zip(ratios)
             .filter_map(|(bytes, ratio)| Some((bytes, (*ratio)?)))
         {
-            // Rounded up; a cast stops at the largest number.
-            let error = (error / ERROR_UNIT + 1.0) as u16;
+            // A cast stops at the largest number.
+            let error = ((error / ERROR_UNIT + 0.5) as u16).max(1);
             let parts = value.to_le_bytes().into_iter().chain(error.to_le_bytes());
             bytes
                 .iter_mut()
@@ -361,7 +361,7 @@ impl<F: NorFlash> Store<F> {
         self.due = true;
     }
 
-    /// The supply is about to go: writes life and alarms at once. Whether they stand in the flash then, in one copy at
+    /// The supply is about to go: writes life, alarms and references at once. Whether they stand in the flash then, in one copy at
     /// least. Between ticks, as [`Store::look`] is.
     ///
     /// For boards whose hardware warns of that. A record of 80 bytes is two copies of 20 words on an STM32F405: 0.6 ms,

@@ -1,5 +1,6 @@
 //! Everything that fits a monitor to one spindle, in one place, for the compiler to check.
 
+use crate::command::MOST_PROBES;
 use crate::judgement::{Alarm, Threshold, Thresholds};
 use crate::plausibility::PlausibilitySettings;
 use crate::response::Fault;
@@ -185,6 +186,7 @@ impl<const P: usize> ResponseSettings<P> {
     ///
     /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
+        demand!(P <= MOST_PROBES, "probes", "four at most");
         let mut i = 0;
         while i < P {
             let probe = &self.probes[i];

@@ -212,11 +212,11 @@ pub struct RowReport {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbesReport {
-    /// The fault that the ratios of all probes fit, if they fit one alone.
+    /// The fault that the ratios of all probes that follow the loads fit, if they fit one alone.
     pub fault: Option<Fault>,
     /// Runout cannot be told from drift at the speed of now: nothing counts.
     pub aliased: bool,
-    /// The probes. Their ages count ticks.
+    /// The probes. Their ages count ticks with a solution.
     pub probes: Vec<ProbeReport, MOST_PROBES>,
 }
 

@@ -3,13 +3,15 @@
 use crate::{Visitor, visit};
 use files::designs::DesignFileError;
 use files::plan::{BuildError, MOST_BALLS, Plan};
-use files::probes::Probe;
+use files::probes::{MOST_PROBES, Probe};
+use files::recordings::LoadRow;
 use files::spindles::SpindleFile;
 use spindle_bearing::{
     FreeContact, Preload, RacewayControlFree, Settings, Speed, Spindle, SpindleSolver,
 };
 use spindle_monitor::response::Fault;
 use std::array::from_fn;
+use std::f64::consts::PI;
 
 /// Part that a fault takes away of what it is about: small.
 const SMALL: f64 = 0.05;
@@ -26,14 +28,20 @@ pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileE
     }
     let explained = |error: BuildError| file.explain(&error);
     let sound = Seen::of(file, &file.plan).map_err(explained)?;
+    for (probe, by) in file.probes.iter().zip(&sound.displacements) {
+        let Probe { name, accuracy, .. } = probe;
+        if by.abs() < *accuracy {
+            return Err(explained(BuildError::Spindle(format!(
+                "the cut of [monitor.cut] moves the probe {name:?} by {by:.3} um, less than its accuracy of {accuracy} um: give the loads of \
+                 a usual cut"
+            ))));
+        }
+    }
     let faults = faults(&file.plan, &sound.closures);
     let changes = faults.into_iter().map(|(fault, plan)| {
         let seen = Seen::of(file, &plan).map_err(explained)?;
         let pairs = seen.displacements.iter().zip(&sound.displacements);
-        let changes = pairs.map(|(is, was)| is / was - 1.0);
-        // A probe that sees nothing of the cut tells nothing of faults.
-        let finite = |change: f64| if change.is_finite() { change } else { 0.0 };
-        Ok((fault, changes.map(finite).collect()))
+        Ok((fault, pairs.map(|(is, was)| is / was - 1.0).collect()))
     });
     changes.collect()
 }
@@ -41,23 +49,24 @@ pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileE
 /// The spindle with each fault.
 fn faults(plan: &Plan, closures: &[f64]) -> Vec<(Fault, Plan)> {
     let mut faults = Vec::new();
-    let mut lost = plan.clone();
-    for force in [&mut lost.spring].into_iter().flatten() {
-        *force *= 1.0 - SMALL;
-    }
-    if let Some((force, _)) = &mut lost.mounted_preload {
-        *force *= 1.0 - SMALL;
-    }
-    for row in &mut lost.rows {
-        match &mut row.preload {
-            Preload::Force(force) => *force *= 1.0 - SMALL,
-            // A force goes with its power of 3/2.
-            Preload::Closure(closure) => *closure *= 1.0 - SMALL / 1.5,
-            _ => {}
-        }
-    }
-    faults.push((Fault::Preload, lost));
     for sign in [-1.0, 1.0] {
+        let part = 1.0 + sign * SMALL;
+        let mut pressed = plan.clone();
+        for force in [&mut pressed.spring].into_iter().flatten() {
+            *force *= part;
+        }
+        if let Some((force, _)) = &mut pressed.mounted_preload {
+            *force *= part;
+        }
+        for row in &mut pressed.rows {
+            match &mut row.preload {
+                Preload::Force(force) => *force *= part,
+                // A force goes with its power of 3/2.
+                Preload::Closure(closure) => *closure *= 1.0 + sign * SMALL / 1.5,
+                _ => {}
+            }
+        }
+        faults.push((Fault::Preload, pressed));
         let mut inclined = Plan {
             mounted_preload: None,
             ..plan.clone()
@@ -66,10 +75,9 @@ fn faults(plan: &Plan, closures: &[f64]) -> Vec<(Fault, Plan)> {
             if !matches!(row.preload, Preload::Spring) {
                 row.preload = Preload::Closure(*closure);
             }
-            let part = 1.0 + sign * SMALL;
             row.design.free_contact = match row.design.free_contact {
                 FreeContact::Angle(angle) => FreeContact::Angle(angle * part),
-                // A small angle goes with its root.
+                // The angle grows with the square root of the clearance.
                 FreeContact::DiametralClearance(clearance) => {
                     FreeContact::DiametralClearance(clearance * part * part)
                 }
@@ -122,13 +130,19 @@ impl<'p> Visitor<'p, f64> for Look<'_> {
         loaded_at: f64,
     ) -> Result<(), BuildError> {
         let Look(file, seen) = self;
-        let monitor = &file.monitor;
-        let ((cut, speed), growths) = (monitor.cut, file.growths());
+        let (cut, speed) = file.monitor.cut;
         let mut solver = SpindleSolver::<f64, R, MOST_BALLS, RacewayControlFree, D, E>::of();
         let mut displacement = |share: f64| {
-            let load = from_fn(|i| monitor.idle[i] + share * cut[i]);
-            let at = Speed::rad_per_s(speed).with_growth(from_fn(|i| growths[i][0]));
-            let solution = solver.solve(&spindle, load, at, &Settings::DEFAULT);
+            let question = file.question(&LoadRow {
+                time_s: 0.0,
+                load: from_fn(|i| file.monitor.idle[i] + share * cut[i]),
+                speed_rpm: speed * 30.0 / PI,
+                temperatures: file.heat.map(|heat| [heat.reference; 2]),
+                probes: [None; MOST_PROBES],
+            });
+            let growth = from_fn(|i| question.growth[i]);
+            let at = Speed::rad_per_s(speed).with_growth(growth);
+            let solution = solver.solve(&spindle, question.load, at, &Settings::DEFAULT);
             let solution = solution.map_err(|status| {
                 BuildError::Spindle(format!(
                     "the cut of [monitor.cut] has no equilibrium ({status}): give the loads of a usual cut"

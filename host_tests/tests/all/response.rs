@@ -635,7 +635,17 @@ fn a_monitor_is_commissioned_and_knows_a_change_over_a_power_cycle() {
     bench.ask(Order::Commission, true);
     bench.run(6001..6010, 1.2, true);
     assert_eq!(bench.answers, [TooFewSteps]);
-    bench.monitor.retain(7_000_000, &mut store);
+    // Of a spindle that is far stiffer than the reference, the order forgets that, and takes another one after some steps.
+    bench.run(6010..12_001, 0.4, true);
+    assert_eq!(bench.states(), [State::Probe; 2]);
+    bench.ask(Order::Commission, true);
+    bench.run(12_001..18_001, 0.4, true);
+    assert_eq!(bench.states(), [State::Learning; 2]);
+    bench.ask(Order::Commission, true);
+    bench.run(18_001..21_001, 0.4, true);
+    assert_eq!(bench.states(), [State::Ok; 2]);
+    assert_eq!(bench.answers, [TooFewSteps, TooFewSteps, Done]);
+    bench.monitor.retain(22_000_000, &mut store);
     while store.step() {}
     let (_, past) = Store::open(store.into_flash(), Identity::of(1), ResetCause::PowerOn);
     assert!(past.references.ratios[..2].iter().all(Option::is_some));
@@ -783,10 +793,7 @@ fn a_fault_is_named_by_its_direction() {
             "{name}: {found:?}"
         );
     }
-    assert_eq!(
-        [1, 5, 6, 7].map(|i| named[i]),
-        [Preload, ContactAngle, ContactAngle, Support(0)].map(Some)
-    );
+    assert_eq!([1, 7].map(|i| named[i]), [Preload, Support(0)].map(Some));
 }
 
 /// `cargo test --profile host -p host_tests --test all -- --ignored --nocapture figures_of_a_thousand_runs`: some minutes.

@@ -575,8 +575,7 @@ fn references_of_the_probes_are_kept_with_the_spindle() {
     board.stand(1);
     assert_eq!(board.records().0, before + 1);
     let flash = board.off();
-    // Errors are rounded up to 0.001 %, and stop at 65.5 %.
-    referred.ratios[0] = ratio(1.02, 0.01231);
+    // Errors are rounded to 0.001 %, and stop at 65.5 %.
     referred.ratios[2] = ratio(0.98, 0.65535);
     let board = Board::start(flash);
     for (found, kept) in board
@@ -591,6 +590,12 @@ fn references_of_the_probes_are_kept_with_the_spindle() {
         assert!((found - kept).abs() < 2e-7, "{found} {kept}");
     }
     assert_eq!(board.found.references.probes, 7);
+    // Errors do not grow from start to start.
+    let kept = board.found.references;
+    let mut board = board;
+    board.stand(1);
+    let board = Board::start(board.off());
+    assert_eq!(board.found.references, kept);
     let other = Board::start_as(board.off(), Identity::of(1));
     assert_eq!(other.found.references, References::default());
 }

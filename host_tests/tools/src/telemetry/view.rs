@@ -363,18 +363,18 @@ fn probe_lines(state: &State) -> Vec<Line<'static>> {
     let probes = report.probes.iter().enumerate().map(|(i, probe)| {
         let ratio = probe.ratio.map_or("no reference yet".into(), |ratio| {
             let [value, error] = [ratio.value, ratio.error].map(|x| 100.0 * x);
-            format!("compliance {value:.2} +- {error:.2} % of commissioning")
+            format!("compliance {value:.2} +- {error:.2} % of that at commissioning")
         });
         let (steps, age) = (probe.steps, probe.age);
         let name = probe.state.name();
-        let words =
-            format!(" probe {i} {name}: {ratio}, {steps} load steps, the last {age} ticks ago");
+        let words = format!(" probe {i} {name}: {ratio}, {steps} load steps, last {age} ticks ago");
         let is_amiss = !matches!(probe.state, response::State::Learning | response::State::Ok);
         Line::styled(words, flag(is_amiss))
     });
     let mut lines: Vec<_> = probes.collect();
     let fault = report.fault.map(|fault| format!("the ratios fit {fault}"));
-    let aliased = "runout cannot be told from drift at this speed: nothing counts".to_owned();
+    let aliased =
+        "runout cannot be told from drift at this speed: readings are not used".to_owned();
     let words = [fault, report.aliased.then_some(aliased)];
     let words: Vec<String> = words.into_iter().flatten().collect();
     if !words.is_empty() {

@@ -147,7 +147,7 @@ fn a_response_names_the_fault_by_the_cut_of_the_file() {
     for (cut, told) in [(&*cut, true), ("", false)] {
         let spindle = text(250.0, &format!("{PROBES}{cut}"));
         let (_, said, _) = response(&spindle, &["--commission", "0:10"], &csv, "fault");
-        let line = "replay: at the end, the ratios fit a loss of preload";
+        let line = "replay: at the end, the ratios fit a change of the preload";
         assert_eq!(said.contains(line), told, "{said}");
     }
 }

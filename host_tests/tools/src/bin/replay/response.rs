@@ -68,6 +68,7 @@ pub fn replay(
         !file.probes.is_empty(),
         "--response: {name} has no [[probe]]; add one with name, position_mm and direction"
     );
+    let faults = mounting::faults::changes(file)?;
     let out = place(path).map_err(|error| unwritable(path, &error))?;
     let loads = args.loads.as_deref().unwrap_or(Path::new(""));
     let import = args.recording.import.as_deref();
@@ -138,7 +139,7 @@ pub fn replay(
         loads.file()
     );
     out.finish().map_err(|error| unwritable(path, &error))?;
-    if let Some(fault) = history.fault(&mounting::faults::changes(file)?) {
+    if let Some(fault) = history.fault(&faults) {
         eprintln!("replay: at the end, the ratios fit {fault}");
     }
     Ok(summary)
