@@ -1,6 +1,6 @@
 //! Small faults of a spindle, and by how much each lets the probes see more of a usual cut: for naming faults by the ratios.
 
-use crate::{Visitor, visit};
+use crate::{Visitor, closed, visit};
 use files::designs::DesignFileError;
 use files::plan::{BuildError, MOST_BALLS, Plan};
 use files::probes::{MOST_PROBES, Probe};
@@ -13,7 +13,7 @@ use spindle_monitor::response::Fault;
 use std::array::from_fn;
 use std::f64::consts::PI;
 
-/// Part that a fault takes away of what it is about: small.
+/// Part by which a fault changes what it is about: small.
 const SMALL: f64 = 0.05;
 
 /// Each fault with the change of the displacement at each probe, parts of 1, by the usual cut of the file's monitor; none
@@ -21,13 +21,16 @@ const SMALL: f64 = 0.05;
 ///
 /// # Errors
 ///
-/// The spindle cannot be built, or has no equilibrium under that cut.
+/// The spindle cannot be built, or has no equilibrium under that cut; a probe does not see the cut.
 pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileError> {
     if file.probes.is_empty() || file.monitor.cut.0 == [0.0; 5] {
         return Ok(Vec::new());
     }
     let explained = |error: BuildError| file.explain(&error);
-    let sound = Seen::of(file, &file.plan).map_err(explained)?;
+    // Closures stay as they were mounted.
+    let closed = closed(&file.plan).map_err(explained)?;
+    let plan = closed.as_ref().unwrap_or(&file.plan);
+    let sound = Seen::of(file, plan).map_err(explained)?;
     for (probe, by) in file.probes.iter().zip(&sound.displacements) {
         let Probe { name, accuracy, .. } = probe;
         if by.abs() < *accuracy {
@@ -37,7 +40,7 @@ pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileE
             ))));
         }
     }
-    let faults = faults(&file.plan, &sound.closures);
+    let faults = faults(plan, &sound.closures);
     let changes = faults.into_iter().map(|(fault, plan)| {
         let seen = Seen::of(file, &plan).map_err(explained)?;
         let pairs = seen.displacements.iter().zip(&sound.displacements);
@@ -55,9 +58,6 @@ fn faults(plan: &Plan, closures: &[f64]) -> Vec<(Fault, Plan)> {
         for force in [&mut pressed.spring].into_iter().flatten() {
             *force *= part;
         }
-        if let Some((force, _)) = &mut pressed.mounted_preload {
-            *force *= part;
-        }
         for row in &mut pressed.rows {
             match &mut row.preload {
                 Preload::Force(force) => *force *= part,
@@ -67,10 +67,7 @@ fn faults(plan: &Plan, closures: &[f64]) -> Vec<(Fault, Plan)> {
             }
         }
         faults.push((Fault::Preload, pressed));
-        let mut inclined = Plan {
-            mounted_preload: None,
-            ..plan.clone()
-        };
+        let mut inclined = plan.clone();
         for (row, closure) in inclined.rows.iter_mut().zip(closures) {
             if !matches!(row.preload, Preload::Spring) {
                 row.preload = Preload::Closure(*closure);

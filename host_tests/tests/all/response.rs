@@ -62,12 +62,14 @@ const TICK: f64 = 1e-3;
 
 /// The shipped spindle with probes, with a fault.
 fn spindle(fault: Fault) -> SpindleFile {
-    let folder = Path::new(SHIPPED).join("../../examples/firmware");
-    let text = format!("{FILE}{PROBES}");
-    let mut file = SpindleFile::parse("spindle.toml", &text, &folder);
-    let file = file.as_mut().unwrap_or_else(|e| panic!("{e}"));
+    let mut file = parsed(&format!("{FILE}{PROBES}"));
     fault(&mut file.plan);
-    file.clone()
+    file
+}
+
+fn parsed(text: &str) -> SpindleFile {
+    let folder = Path::new(SHIPPED).join("../../examples/firmware");
+    SpindleFile::parse("spindle.toml", text, &folder).unwrap_or_else(|e| panic!("{e}"))
 }
 
 type Fault = fn(&mut Plan);
@@ -764,6 +766,21 @@ fn the_page_has_what_probes_see() {
         let [of_five, of_one] = known;
         let line = format!("| {name} | {x} to {fast_x} | {y} to {fast_y} | {of_five} | {of_one} |");
         assert!(PAGE.contains(&line), "add to the page: {line}");
+    }
+}
+
+#[test]
+fn faults_of_a_mounted_preload_are_like_those_of_a_ground_one() {
+    // Supports and shaft yield to the one force and not to the other: 250 N in the place of 225.
+    let mounted = format!("{FILE}{PROBES}").replace("\npreload_n", "\nmounted_preload_n");
+    let [mounted, ground] = [parsed(&mounted), spindle(NONE)]
+        .map(|file| mounting::faults::changes(&file).unwrap_or_else(|e| panic!("{e}")));
+    assert_eq!(mounted.len(), ground.len());
+    // In their directions, by which they are named.
+    for ((name, a), (_, b)) in mounted.iter().zip(&ground) {
+        let across = (a[0] * b[1] - a[1] * b[0]) / a[0].hypot(a[1]) / b[0].hypot(b[1]);
+        let along = a[0] * b[0] + a[1] * b[1];
+        assert!(along > 0.0 && across.abs() < 0.05, "{name:?}: {a:?} {b:?}");
     }
 }
 
