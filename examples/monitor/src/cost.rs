@@ -1,6 +1,6 @@
 //! Cost of a tick on cores that were measured. `cargo reports --check` holds it against the figures of the repository's
 //! page `docs/report.md`. `probe` was measured with two probes at the shipped spindle, whose ticks then stay within their period:
-//! 600 cycles in any tick of a Cortex-M4F, 2,700 for the displacement where a solve ends, some 1,000 where a block ends.
+//! 1,000 cycles in any tick of a Cortex-M4F, 2,700 for the displacement where a solve ends, some 1,000 where a block ends.
 
 use crate::tick::CycleCost;
 
