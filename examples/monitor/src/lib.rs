@@ -151,7 +151,6 @@ use outbox::Outbox;
 use plausibility::Plausibility;
 use probes::Probes;
 use reports::Reports;
-use response::Response;
 use spindle_bearing::{Growth, RatingLife, RowSummary, Spindle, Status};
 use telemetry::{HealthReport, Payload};
 use temperature::Temperatures;
@@ -709,7 +708,8 @@ impl<
             tick: task.tick,
         });
         if P > 0 {
-            self.probes.solved(task.tick, &task.sample.load, computed);
+            let load = &task.sample.load;
+            self.probes.pairs.solved(task.tick, load, computed);
         }
         Some(true)
     }
@@ -766,11 +766,6 @@ impl<
     /// Alarms.
     pub const fn judgement(&mut self) -> &mut Judgement {
         &mut self.alarms
-    }
-
-    /// Measured over computed displacement at the probes.
-    pub const fn response(&mut self) -> &mut Response<P> {
-        &mut self.probes.response
     }
 
     /// Life used up.

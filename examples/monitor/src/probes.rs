@@ -17,7 +17,7 @@ const RPM: f32 = 60.0 / core::f32::consts::TAU;
 #[derive(Debug)]
 pub(crate) struct Probes<const P: usize> {
     settings: &'static ResponseSettings<P>,
-    pairs: Pairs<P>,
+    pub(crate) pairs: Pairs<P>,
     pub(crate) response: Response<P>,
     /// Measured in the tick that comes, um.
     pub(crate) measured: [Option<f32>; P],
@@ -57,11 +57,6 @@ impl<const P: usize> Probes<P> {
             let along = displacement.iter().zip(probe.direction);
             1e6 * along.map(|(u, e)| u * e).sum::<f32>()
         })
-    }
-
-    /// Takes the displacements (um) that the equilibrium of a tick's loads has.
-    pub(crate) fn solved(&mut self, tick: u64, load: &[f32; 5], computed: [f32; P]) {
-        self.pairs.solved(tick, load, computed);
     }
 
     /// Ends a tick: its speed (rad/s) and its loads, if they are believed. The last tick of a block has levels.

@@ -265,3 +265,31 @@ fn a_design_file_means_si_units_and_steel_unless_it_says_otherwise() {
     };
     assert_eq!(file.design, design);
 }
+
+/// Of a bearing by itself; `wrong_files` has those of spindles.
+#[test]
+fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
+    for (from, to, told) in [
+        (
+            "6.35",
+            "60",
+            "4, column 21: `pitch_diameter_mm` is 36, but must lie between 60.6 and 600000",
+        ),
+        (
+            "6.35",
+            "8",
+            "3, column 20: `ball_diameter_mm` is 8, but must lie between 0.1 and 7.02325",
+        ),
+        (
+            "= 15\n",
+            "= 15\n[ball]\npoissons_ratio = 0.7\n",
+            "9, column 18: `ball.poissons_ratio` is 0.7, but must lie between",
+        ),
+    ] {
+        let file = DesignFile::parse("b.toml", &DESIGN.replace(from, to)).unwrap();
+        let bearing = mounting::mount::<f64>(&file.design, file.balls);
+        let message = file.explain(&bearing.err().unwrap()).to_string();
+        let start = format!("b.toml: line {told}");
+        assert!(message.starts_with(&start), "{message}");
+    }
+}
