@@ -80,6 +80,8 @@ pub enum Table {
     RossShafts,
     SpindleCad,
     Fag,
+    Snfa,
+    Nsk,
 }
 
 /// A program that solves a case.

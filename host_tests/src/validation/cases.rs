@@ -67,7 +67,7 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
             Some(Table::SpindleCad) => Ok(vec![of_spindle_cad(case)?]),
             Some(Table::Fag) => of_fag(run, case),
-            Some(Table::GmnS60 | Table::Ntn) | None => of_bearing(run, case),
+            Some(Table::GmnS60 | Table::Ntn | Table::Snfa | Table::Nsk) | None => of_bearing(run, case),
         })
         .collect();
     let mut solved = solved?.concat();
@@ -83,6 +83,8 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
         Some(Table::GmnS60) => Some(include_str!("../../makers/gmn_s60.csv")),
         Some(Table::Ntn) => Some(include_str!("../../makers/ntn.csv")),
         Some(Table::Fag) => Some(include_str!("../../makers/fag.csv")),
+        Some(Table::Snfa) => Some(include_str!("../../makers/snfa.csv")),
+        Some(Table::Nsk) => Some(include_str!("../../makers/nsk.csv")),
         Some(Table::EllipticIntegrals) => Some(include_str!("../../cases/elliptic_integrals.csv")),
         Some(Table::HertzContacts) => Some(include_str!("../../cases/hertz_contacts.csv")),
         Some(Table::RossShafts) => Some(include_str!("../../cases/ross_shafts.csv")),
@@ -197,6 +199,10 @@ fn of_bearing(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     let mut case = with_equilibrium(case, answer.displacement, answer.stiffness);
     let side: f64 = answer.rows.iter().map(|row| 0.5 * row.preload).sum();
     case = with(case, ["side_n"], [side]);
+    if let Some(makers) = case.get("axial_n_per_um") {
+        let ratio = case["k_x_x"] / makers;
+        case = with(case, ["axial_over_makers"], [ratio]);
+    }
     let balls = &answer.rows.first().context("a set without rows")?.balls;
     if let Some(rating) = rating {
         let weight = rating.weight_of(balls.iter().map(|ball| (ball.q_i, ball.q_o)));
@@ -308,7 +314,7 @@ fn of_spindle_cad(case: Case) -> anyhow::Result<Case> {
     Ok(with(case, ["rigid_n_per_m", "elastic_n_per_m"], ours))
 }
 
-/// A pair of FAG's, with the axial load at which a row of ours lifts off, and our rigidity over theirs.
+/// A pair of FAG's, with the axial load at which a row of ours lifts off.
 fn of_fag(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
     let (design, balls, _) = bearing(run, &case)?;
     let plan = plan(run, &case, design, balls);
@@ -326,12 +332,7 @@ fn of_fag(run: &Run, case: Case) -> anyhow::Result<Vec<Case>> {
         }
         anyhow::Ok(())
     })??;
-    let solved = of_bearing(run, with(case, ["our_unloading_n"], [lifted]))?;
-    let with_ratio = |case: Case| {
-        let ratio = case["k_x_x"] / case["axial_n_per_um"];
-        with(case, ["rigidity_over_fags"], [ratio])
-    };
-    Ok(solved.into_iter().map(with_ratio).collect())
+    of_bearing(run, with(case, ["our_unloading_n"], [lifted]))
 }
 
 fn with_ball(case: Case, [azimuth, inner, outer]: [f64; 3], [q_i, q_o]: [f64; 2]) -> Case {
