@@ -75,7 +75,10 @@ macro_rules! for_every_scene {
             14 "elastic-four-rows" 5: Elastic<4>;
                 "nothing; two pairs on an elastic shaft, whose supports give way",
                 [RaceControl, Balls, Limits];
-            15 "full" 5: Ring<RacewayControlFree>;
+            15 "elastic-pair-nose" 5: Elastic<2, { probes::NOSE }>;
+                "nothing; that elastic pair, asked for the compliance at its nose",
+                [RaceControl, Balls, Limits];
+            16 "full" 5: Ring<RacewayControlFree>;
                 "nothing",
                 [Spindle, Elastic, RaceControl, Balls, Limits];
         }
@@ -223,6 +226,11 @@ pub const STIFFNESS: u8 = 1;
 pub const BALLS: u8 = 2;
 /// Asked of a ring: limits that are passed, besides.
 pub const LIMITS: u8 = 3;
+/// Asked of a spindle: the compliance at its nose, in the place of the stiffness.
+pub const NOSE: u8 = 4;
+
+/// The nose, 30 mm in front of the point where loads act, m.
+const NOSE_AT: f64 = -0.03;
 
 /// A bearing with three or five freedoms: how its balls move, and the numbers that are asked for.
 pub struct Ring<M, const ASKED: u8 = STIFFNESS>(PhantomData<M>);
@@ -332,12 +340,17 @@ type OnBoard<'b, T, const R: usize, const N: usize, const F: usize, const E: usi
 fn solve_shaft<T: Real, const R: usize, const N: usize, const F: usize, const E: usize>(
     (spindle, solver): &mut OnBoard<'_, T, R, N, F, E>,
     question: &Question<T, 5>,
+    asked: u8,
 ) -> Option<Answer<T, 5>> {
     let (speed, settings) = question.terms();
     let s = solver
         .solve(spindle, question.load, speed, &settings)
         .ok()?;
-    Some(Answer::new(s.displacement, s.stiffness(), s.iterations))
+    let stiffness = match asked {
+        NOSE => s.compliance_at(T::of(NOSE_AT)),
+        _ => s.stiffness(),
+    };
+    Some(Answer::new(s.displacement, stiffness, s.iterations))
 }
 
 /// `R` bearings on one shaft, back to back, each clamped by a fiftieth of the distance of the groove centres.
@@ -360,12 +373,12 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Clamped<R> {
 
     #[inline(always)]
     fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
-        solve_shaft(solver, question)
+        solve_shaft(solver, question, STIFFNESS)
     }
 }
 
 /// The rows of [`Clamped`] on a hollow steel shaft, from two distances in front of them on, each on an elastic support.
-pub struct Elastic<const R: usize>;
+pub struct Elastic<const R: usize, const ASKED: u8 = STIFFNESS>;
 
 /// Hollow, 50 mm thick.
 const SECTION: Section = Section {
@@ -397,7 +410,9 @@ impl OnShaft for f64 {
     }
 }
 
-impl<T: OnShaft, const N: usize, const R: usize> Scene<T, N, 5> for Elastic<R> {
+impl<T: OnShaft, const N: usize, const R: usize, const ASKED: u8> Scene<T, N, 5>
+    for Elastic<R, ASKED>
+{
     type Solver<'b>
         = OnBoard<'b, T, R, N, 5, R>
     where
@@ -420,7 +435,7 @@ impl<T: OnShaft, const N: usize, const R: usize> Scene<T, N, 5> for Elastic<R> {
 
     #[inline(always)]
     fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
-        solve_shaft(solver, question)
+        solve_shaft(solver, question, ASKED)
     }
 }
 
@@ -446,7 +461,7 @@ impl<T: Real, const N: usize, const R: usize> Scene<T, N, 5> for Sprung<R> {
 
     #[inline(always)]
     fn solve(solver: &mut Self::Solver<'_>, question: &Question<T, 5>) -> Option<Answer<T, 5>> {
-        solve_shaft(solver, question)
+        solve_shaft(solver, question, STIFFNESS)
     }
 }
 

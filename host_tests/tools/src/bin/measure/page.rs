@@ -120,7 +120,12 @@ fn readme_table(figures: &Figures) -> Result<String> {
             TICK,
         ),
         (
-            "four rows on those, `Settings::TICK`",
+            "that pair with its compliance at the nose, `Settings::TICK`",
+            "elastic-pair-nose",
+            TICK,
+        ),
+        (
+            "four rows on a shaft and supports, `Settings::TICK`",
             "elastic-four-rows",
             TICK,
         ),
