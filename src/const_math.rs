@@ -3,13 +3,18 @@
 //! A design is turned into solver constants by `const fn`s, so that firmware carries numbers and
 //! not the code that made them. `core` has no such functions for `const` yet. Those in `f64` are good to
 //! about one unit in the last place, and give the same bits at compile time and at run time.
+//!
+//! Each of them ends for any bits, after a number of steps that does not depend on them. NaN gives NaN.
 
-/// Square root of a finite, non-negative number, by Newton's method.
+/// Square root by Newton's method, 0 below the smallest normal number.
 ///
 /// The first guess halves the exponent, with an error below 4 %. Three steps would do; two more cost nothing here.
 pub(crate) const fn sqrt(x: f64) -> f64 {
-    if x <= 0.0 {
+    if x < f64::MIN_POSITIVE {
         return 0.0;
+    }
+    if x == f64::INFINITY {
+        return x;
     }
     let mut y = f64::from_bits((x.to_bits() >> 1) + 0x1ff7_a3be_a91d_9b1b);
     let mut i = 0;
@@ -50,10 +55,13 @@ macro_rules! exact_sqrt {
 exact_sqrt!(sqrt_f32, f32, u32, u64);
 exact_sqrt!(sqrt_f64, f64, u64, u128);
 
-/// Cube root of a finite, non-negative number, likewise.
+/// Cube root, likewise.
 pub(crate) const fn cbrt(x: f64) -> f64 {
-    if x <= 0.0 {
+    if x < f64::MIN_POSITIVE {
         return 0.0;
+    }
+    if x == f64::INFINITY {
+        return x;
     }
     let mut y = f64::from_bits(x.to_bits() / 3 + 0x2a9f_7893_782d_a1ce);
     let mut i = 0;
@@ -94,11 +102,14 @@ pub(crate) const fn sin_cos_turns(numerator: u32, denominator: u32) -> (f64, f64
     }
 }
 
-/// Sine and cosine of an angle of at most a few turns, rad.
+/// Sine and cosine of an angle, rad; NaN from a million on.
 pub(crate) const fn sin_cos(x: f64) -> (f64, f64) {
-    // The quarter turn in two parts, so that its multiples subtract without loss.
+    // The quarter turn in two parts, so that its multiples subtract without loss: the first one's 33 bits leave 20 for the multiple.
     const QUARTER_HIGH: f64 = 1.570_796_326_734_125_6;
     const QUARTER_LOW: f64 = 6.077_100_506_506_192e-11;
+    if !(x.abs() < 1e6) {
+        return (f64::NAN, f64::NAN);
+    }
     let turns = x / core::f64::consts::FRAC_PI_2;
     let quarter = (turns + if turns < 0.0 { -0.5 } else { 0.5 }) as i64;
     let rest = (x - quarter as f64 * QUARTER_HIGH) - quarter as f64 * QUARTER_LOW;
@@ -111,22 +122,28 @@ pub(crate) const fn sin_cos(x: f64) -> (f64, f64) {
     }
 }
 
-/// Natural logarithm of a finite, positive number; anything smaller counts as the smallest one.
+/// Power of two, `exponent` from -1022 to 1023.
+const fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// Natural logarithm; anything below the smallest normal number counts as that.
 pub(crate) const fn ln(x: f64) -> f64 {
-    let mut x = if x > f64::MIN_POSITIVE {
+    if x.is_nan() || x == f64::INFINITY {
+        return x;
+    }
+    let x = if x > f64::MIN_POSITIVE {
         x
     } else {
         f64::MIN_POSITIVE
     };
-    let mut exponent = 0;
-    // To within a root of 2 of 1; a thousand halvings at most.
-    while x > core::f64::consts::SQRT_2 {
+    let mut exponent = (x.to_bits() >> 52) as i32 - 1023;
+    let fraction = x.to_bits() & ((1 << 52) - 1);
+    let mut x = f64::from_bits(fraction | 1.0_f64.to_bits());
+    // To within a root of 2 of 1.
+    if x > core::f64::consts::SQRT_2 {
         x *= 0.5;
         exponent += 1;
-    }
-    while x < core::f64::consts::FRAC_1_SQRT_2 {
-        x *= 2.0;
-        exponent -= 1;
     }
     // 2 artanh s = 2 (s + s^3/3 + ...), s below 0.172.
     let s = (x - 1.0) / (x + 1.0);
@@ -139,10 +156,24 @@ pub(crate) const fn ln(x: f64) -> f64 {
     2.0 * s * sum + exponent as f64 * core::f64::consts::LN_2
 }
 
-/// `x` to the power of `y` for a finite, positive `x` and a result that doubles can hold.
+/// `x` to the power of `y`, `x` as in [`ln`]: 0 or infinite beyond what doubles hold.
 pub(crate) const fn pow(x: f64, y: f64) -> f64 {
+    // Beyond all doubles' exponents, while two factors hold their power.
+    const MOST: f64 = 1100.0;
+    if x.is_nan() || y.is_nan() {
+        return f64::NAN;
+    }
+    if x == 1.0 || y == 0.0 {
+        return 1.0;
+    }
     let exponent = y * ln(x);
     let halves = exponent / core::f64::consts::LN_2;
+    if halves > MOST {
+        return f64::INFINITY;
+    }
+    if halves < -MOST {
+        return 0.0;
+    }
     let whole = (halves + if halves < 0.0 { -0.5 } else { 0.5 }) as i32;
     let rest = exponent - whole as f64 * core::f64::consts::LN_2;
     let mut sum = 1.0;
@@ -151,16 +182,7 @@ pub(crate) const fn pow(x: f64, y: f64) -> f64 {
         sum = 1.0 + sum * rest / n as f64;
         n -= 1;
     }
-    let mut i = 0;
-    while i < whole && i < 1024 {
-        sum *= 2.0;
-        i += 1;
-    }
-    while i > whole && i > -1024 {
-        sum *= 0.5;
-        i -= 1;
-    }
-    sum
+    sum * power_of_two(whole / 2) * power_of_two(whole - whole / 2)
 }
 
 #[cfg(test)]
@@ -224,6 +246,55 @@ mod tests {
                 (ln(x) - x.ln()).abs() < 1e-15 * (1.0 + 2.0 * x.ln().abs()),
                 "ln {x}"
             );
+        }
+    }
+
+    /// Bits of every kind: signs, exponents from end to end, fractions of few and of many digits, and numbers of no value.
+    fn any_bits() -> impl Iterator<Item = f64> {
+        let fractions = [0, 1, 0x5_5555_5555_5555, 0xf_ffff_ffff_ffff];
+        let ends = (0..4).chain(2043..2048);
+        let exponents = ends.chain((4..2043).step_by(17)).chain(1020..1027);
+        exponents.flat_map(move |exponent: u64| {
+            fractions.into_iter().flat_map(move |fraction| {
+                [0, 1].map(|sign: u64| f64::from_bits(sign << 63 | exponent << 52 | fraction))
+            })
+        })
+    }
+
+    #[test]
+    fn elementary_functions_end_for_any_bits_with_the_standard_librarys_result() {
+        // Where the result may lie: as far from the standard one as by rounding, and nothing is NaN that need not be.
+        let agrees = |found: f64, right: f64, ulps: f64| {
+            found == right
+                || found.is_nan() && right.is_nan()
+                || (found - right).abs() <= ulps * f64::EPSILON * right.abs() + f64::MIN_POSITIVE
+        };
+        for x in any_bits() {
+            let least = f64::MIN_POSITIVE;
+            let (or_zero, normal) = match x < least {
+                true => (0.0, least),
+                false => (x, x),
+            };
+            assert!(agrees(sqrt(x), or_zero.sqrt(), 2.0), "sqrt {x:e}");
+            assert!(agrees(cbrt(x), or_zero.cbrt(), 3.0), "cbrt {x:e}");
+            assert!(agrees(ln(x), normal.ln(), 8.0), "ln {x:e}");
+            let (s, c) = sin_cos(x);
+            assert!(
+                s.is_nan() && c.is_nan() || s.abs() <= 1.0 && c.abs() <= 1.0,
+                "{x:e}"
+            );
+            for y in any_bits().step_by(5) {
+                let right = match x.is_nan() || y.is_nan() {
+                    true => f64::NAN,
+                    false => normal.powf(y),
+                };
+                let found = pow(x, y);
+                // The exponent's rounding, of at most 1100 halves.
+                assert!(
+                    agrees(found, right, 3000.0),
+                    "{x:e}^{y:e}: {found:e}, not {right:e}"
+                );
+            }
         }
     }
 

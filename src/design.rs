@@ -327,6 +327,29 @@ impl Design {
         }
     }
 
+    /// Checks ball, pitch diameter and grooves, which balls of any number have; the free contact angle, or 0.
+    pub(crate) const fn check_form(&self) -> Result<f64, DesignError> {
+        use Quantity as Q;
+        let (d, dm) = (self.ball_diameter, self.pitch_diameter);
+        check!(within(Q::BallDiameter, d, 1e-4, 0.2));
+        check!(within(Q::PitchDiameter, dm, 1.01 * d, 1e4 * d));
+        let (fi, fo) = (self.inner_groove_factor, self.outer_groove_factor);
+        check!(in_range(Q::InnerGrooveFactor, fi));
+        check!(in_range(Q::OuterGrooveFactor, fo));
+        match self.free_contact {
+            FreeContact::Angle(angle) => {
+                check!(in_range(Q::ContactAngle, angle));
+                Ok(angle)
+            }
+            FreeContact::DiametralClearance(pd) => {
+                // As much as a growth may close; beyond the other end the free contact angle would pass 80 degrees.
+                let l0 = self.centre_distance();
+                check!(within(Q::DiametralClearance, pd, -0.5 * l0, 1.66 * l0));
+                Ok(0.0)
+            }
+        }
+    }
+
     /// Checks everything that a bearing of `balls` balls needs to exist.
     ///
     /// # Errors
@@ -335,28 +358,11 @@ impl Design {
     pub const fn check(&self, balls: usize) -> Result<(), DesignError> {
         use Quantity as Q;
         check!(in_range(Q::BallCount, balls as f64));
-        let (d, dm) = (self.ball_diameter, self.pitch_diameter);
-        check!(within(Q::BallDiameter, d, 1e-4, 0.2));
-        check!(within(Q::PitchDiameter, dm, 1.01 * d, 1e4 * d));
-        // Neighbouring balls may touch but not overlap: D <= dm sin(pi/N).
-        let room = dm * sin_cos_turns(1, 2 * balls as u32).0;
-        check!(within(Q::BallDiameter, d, 1e-4, room));
-        let (fi, fo) = (self.inner_groove_factor, self.outer_groove_factor);
-        check!(in_range(Q::InnerGrooveFactor, fi));
-        check!(in_range(Q::OuterGrooveFactor, fo));
         // The unloaded balls, at least, must lie in their grooves.
-        let least = match self.free_contact {
-            FreeContact::Angle(angle) => {
-                check!(in_range(Q::ContactAngle, angle));
-                angle
-            }
-            FreeContact::DiametralClearance(pd) => {
-                // As much as a growth may close; beyond the other end the free contact angle would pass 80 degrees.
-                let l0 = self.centre_distance();
-                check!(within(Q::DiametralClearance, pd, -0.5 * l0, 1.66 * l0));
-                0.0
-            }
-        };
+        let least = check!(self.check_form());
+        // Neighbouring balls may touch but not overlap: D <= dm sin(pi/N).
+        let room = self.pitch_diameter * sin_cos_turns(1, 2 * balls as u32).0;
+        check!(within(Q::BallDiameter, self.ball_diameter, 1e-4, room));
         let most = Self::HIGHEST_SHOULDER;
         let (inner, outer) = (self.inner_shoulder_angle, self.outer_shoulder_angle);
         check!(within(Q::InnerShoulderAngle, inner, least, most));

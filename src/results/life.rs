@@ -70,8 +70,11 @@ pub struct RatingLife<T> {
     pub hours: T,
 }
 
-/// Nominal `cos a` and `g`, and `S`.
-const fn geometry(design: &Design) -> (f64, f64, f64) {
+/// Nominal `cos a` and `g`, and `S`; none of a design that is out of its ranges.
+const fn geometry(design: &Design) -> Option<(f64, f64, f64)> {
+    if design.check_form().is_err() {
+        return None;
+    }
     let cos = match design.free_contact {
         FreeContact::Angle(angle) => sin_cos(angle).1,
         FreeContact::DiametralClearance(_) => 1.0,
@@ -80,7 +83,7 @@ const fn geometry(design: &Design) -> (f64, f64, f64) {
     let (fi, fo) = (design.inner_groove_factor, design.outer_groove_factor);
     let osculation = fi * (2.0 * fo - 1.0) / (fo * (2.0 * fi - 1.0));
     let s = pow((1.0 - g) / (1.0 + g), 1.72) * pow(osculation, 0.41);
-    (cos, g, s)
+    Some((cos, g, s))
 }
 
 impl Design {
@@ -98,9 +101,12 @@ impl Design {
     /// g  = D cos a / dm
     /// ```
     ///
-    /// `a` is the nominal contact angle, 0 for a bearing that is given by its clearance.
+    /// `a` is the nominal contact angle, 0 for a bearing that is given by its clearance. A design whose balls or grooves
+    /// [`Design::check`] refuses carries nothing: its rating is 0.
     pub const fn dynamic_load_rating(&self, balls: usize) -> f64 {
-        let (cos, g, s) = geometry(self);
+        let Some((cos, g, s)) = geometry(self) else {
+            return 0.0;
+        };
         let fi = self.inner_groove_factor;
         let z = balls as f64;
         let fc = 0.41
@@ -118,7 +124,12 @@ impl Design {
 
 /// `Qci` and `Qce`.
 const fn contacts(design: &Design, balls: usize, dynamic_load_rating: f64) -> [f64; 2] {
-    let (cos, _, s) = geometry(design);
+    let Some((cos, _, s)) = geometry(design) else {
+        return [0.0; 2];
+    };
+    if !(balls > 0 && dynamic_load_rating > 0.0) {
+        return [0.0; 2];
+    }
     let per_ball = dynamic_load_rating / (balls as f64 * pow(cos, 0.7));
     let ratio = pow(1.044 * s, 10.0 / 3.0);
     [
@@ -131,7 +142,7 @@ macro_rules! in_precision {
     ($t:ident) => {
         impl LifeRating<$t> {
             /// Ratings of the contacts for a bearing of this basic dynamic load rating `C` (N), from the maker's catalogue or
-            /// from [`Design::dynamic_load_rating`].
+            /// from [`Design::dynamic_load_rating`]; 0 without a ball, without a positive `C`, and for a design that has none.
             pub const fn new(design: &Design, balls: usize, dynamic_load_rating: f64) -> Self {
                 let [inner, outer] = contacts(design, balls, dynamic_load_rating);
                 Self {
@@ -159,9 +170,10 @@ impl<T: Real> LifeRating<T> {
     }
 
     /// `(1 / L10)^(10/9)` of so many `balls`, per million revolutions: it adds up over a spindle's rows.
-    /// `inner` is the sum of the inner contact forces cubed, `outer` of the outer forces to 10/3, in a `unit` (N).
+    /// `inner` is the sum of the inner contact forces cubed, `outer` of the outer forces to 10/3, in a `unit` (N). Infinite
+    /// under a force, where a contact is rated for nothing.
     pub fn weight(&self, unit: T, inner: T, outer: T, balls: T) -> T {
-        if !(balls > T::ZERO) {
+        if !(balls > T::ZERO && inner + outer > T::ZERO) {
             return T::ZERO;
         }
         let (i, o) = (unit / self.inner, unit / self.outer);
@@ -170,7 +182,13 @@ impl<T: Real> LifeRating<T> {
         let outer = o * o * o * o.cbrt_or_zero() * (outer * per_ball);
         // (mean of cubes)^(10/9).
         let inner = inner * inner.cbrt_or_zero().cbrt_or_zero();
-        inner + outer
+        let weight = inner + outer;
+        // Of a contact that is rated for nothing, or more than the precision holds.
+        if weight.is_finite() {
+            weight
+        } else {
+            T::INFINITY
+        }
     }
 }
 
@@ -188,7 +206,11 @@ impl<T: Real> RatingLife<T> {
     pub fn of_weight(weight: T, omega: T) -> Self {
         let million_revolutions = T::ONE / damage_of_weight(weight);
         // 1e6 revolutions of 2 pi rad, in hours of 3600 s.
-        let hours = million_revolutions * (T::of(2e6 * PI / 3600.0) / omega.abs());
+        let hours = if omega.abs() > T::ZERO {
+            million_revolutions * (T::of(2e6 * PI / 3600.0) / omega.abs())
+        } else {
+            T::INFINITY
+        };
         Self {
             million_revolutions,
             hours,

@@ -555,7 +555,7 @@ impl DesignFile {
             return Err(r.error(r.place(monitor.span()), message));
         }
         Loading::check(r, keys.load.as_ref(), &keys.constant_load)?;
-        Ok(Self {
+        let file = Self {
             name: name.into_inner(),
             balls,
             design,
@@ -564,7 +564,11 @@ impl DesignFile {
             loading: Loading::of(keys.load, keys.constant_load),
             file: r.file.to_owned(),
             said,
-        })
+        };
+        // All that follows from a design is worked out of one that can be built.
+        let checked = file.design.check(balls);
+        checked.map_err(|error| file.explain(&error))?;
+        Ok(file)
     }
 
     /// Basic dynamic load rating `C`, N: the maker's if it is known, else by the formula.

@@ -1,9 +1,13 @@
 //! Designs that cannot be built, and their errors.
 
 use host_tests::cases::B7005C;
-use spindle_bearing::Bearing;
-use spindle_bearing::{Design, DesignError, FreeContact, Quantity};
+use spindle_bearing::{
+    Bearing, Design, DesignError, Expansion, FreeContact, Growth, HertzContact, LifeRating,
+    Material, Quantity, Section, Shaft, elliptic_integrals,
+};
 use std::f64::consts::PI;
+use std::sync::mpsc::channel;
+use std::time::Duration;
 
 fn refusal(change: impl FnOnce(&mut Design)) -> DesignError {
     let mut design = B7005C;
@@ -120,4 +124,107 @@ fn a_shoulder_below_the_unloaded_balls_or_in_degrees_is_refused() {
         assert_eq!(error.quantity, Quantity::OuterShoulderAngle);
         assert_eq!((error.value, error.least), (angle, free));
     }
+}
+
+/// Numbers that a design does not expect: of either sign, of no value, and from the least to the largest.
+fn odd_numbers() -> Vec<f64> {
+    let sizes = [
+        0.0,
+        f64::from_bits(1),
+        f64::MIN_POSITIVE,
+        1e-300,
+        1e-9,
+        0.4999,
+        0.5,
+        f64::from_bits(0.5_f64.to_bits() + 1),
+        1.0,
+        1.5,
+        PI,
+        1e9,
+        1e300,
+        f64::MAX,
+        f64::INFINITY,
+        f64::NAN,
+    ];
+    sizes.into_iter().flat_map(|x| [x, -x]).collect()
+}
+
+/// Asks a design that need not be sound for all that is worked out of it.
+fn ask_everything(design: &Design) {
+    let is_sound = design.check(16).is_ok();
+    assert_eq!(is_sound, Bearing::<f64, 16>::new(design).is_ok());
+    assert_eq!(is_sound, Bearing::<f32, 16>::new(design).is_ok());
+    for balls in [0, 1, 16, usize::MAX] {
+        let c = design.dynamic_load_rating(balls);
+        assert!(c.is_finite() && c >= 0.0, "{balls} {design:?}: {c}");
+        assert!(c > 0.0 || balls == 0 || !is_sound, "{balls} {design:?}");
+        for c in [c, 0.0, -1.0, f64::NAN, 14e3] {
+            let rating = LifeRating::<f64>::new(design, balls, c);
+            let both = [rating.inner, rating.outer];
+            assert!(
+                both.iter().all(|q| *q >= 0.0),
+                "{balls} {design:?} {both:?}"
+            );
+            let rated = c > 0.0 && balls > 0 && is_sound;
+            assert!(!rated || both.iter().all(|q| *q > 0.0 && q.is_finite()));
+            for forces in [[0.0, 0.0], [0.0, 10.0], [1e5, 1e5], [1e200, 1e200]] {
+                let weight = rating.weight_of([forces, [0.0; 2]].map(|[i, o]| (i, o)).into_iter());
+                assert!(weight >= 0.0, "{design:?} {both:?} {forces:?}");
+                // A contact that is rated for nothing lives for no time.
+                let is_used_up = forces[1] > 0.0 && both == [0.0; 2];
+                assert!(!is_used_up || weight == f64::INFINITY, "{design:?}");
+            }
+        }
+    }
+    let expansion = &Expansion::STEEL;
+    let growths = [
+        Growth::by_temperatures(design, expansion, 0.1, [1.0, 2.0]),
+        Growth::by_rotation(design, 0.02, 1000.0),
+        Growth::by_fit(design, 0.025, 0.01, 1e-5),
+    ];
+    let is_finite = |growth: &Growth<f64>| growth.radial.is_finite();
+    assert!(!is_sound || growths[..1].iter().all(is_finite));
+}
+
+/// All that the compiler works out of a design ends, whatever that is: firmware builds with it.
+#[test]
+fn what_follows_from_a_design_ends_for_any_numbers() {
+    let (done, end) = channel();
+    std::thread::spawn(move || {
+        let odd = odd_numbers();
+        for (_, _, set) in FIELDS {
+            for x in &odd {
+                let mut design = B7005C;
+                set(&mut design, *x);
+                ask_everything(&design);
+                for (_, _, set) in FIELDS {
+                    let mut worse = design;
+                    set(&mut worse, odd[(x.to_bits() >> 52) as usize % odd.len()]);
+                    ask_everything(&worse);
+                }
+            }
+        }
+        for x in &odd {
+            elliptic_integrals(*x);
+            for y in &odd {
+                for (rolling, across) in [(*x, *y), (*x, 100.0), (300.0, *y)] {
+                    HertzContact::new(rolling, across, 1e-11).peak_pressure(*x);
+                }
+                let section = Section {
+                    from: *x,
+                    to: *y,
+                    outer: 0.03,
+                    inner: *x,
+                };
+                let material = Material {
+                    poissons_ratio: *y,
+                    ..Material::STEEL
+                };
+                let _ = Shaft::<f64, 1>::new(&[section], &material);
+            }
+        }
+        done.send(()).unwrap();
+    });
+    let ended = end.recv_timeout(Duration::from_secs(60));
+    assert!(ended.is_ok(), "no end within a minute: {ended:?}");
 }

@@ -285,10 +285,30 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
             "= 15\n[ball]\npoissons_ratio = 0.7\n",
             "9, column 18: `ball.poissons_ratio` is 0.7, but must lie between",
         ),
+        // Load ratings of these have no figure.
+        (
+            "= 0.515",
+            "= 0.5",
+            "5, column 23: `inner_groove_factor` is 0.5, but must lie between 0.501 and 0.7",
+        ),
+        (
+            "= 0.525",
+            "= -0.0",
+            "6, column 23: `outer_groove_factor`: in SI units, outer groove factor fo is -0, but must",
+        ),
+        (
+            "= 36",
+            "= 0",
+            "4, column 21: `pitch_diameter_mm`: in SI units, pitch diameter dm is 0, but must lie",
+        ),
+        (
+            "= 15\n",
+            "= 1e300\n",
+            "7, column 21: `contact_angle_deg` is 1",
+        ),
     ] {
-        let file = DesignFile::parse("b.toml", &DESIGN.replace(from, to)).unwrap();
-        let bearing = mounting::mount::<f64>(&file.design, file.balls);
-        let message = file.explain(&bearing.err().unwrap()).to_string();
+        let refused = DesignFile::parse("b.toml", &DESIGN.replace(from, to));
+        let message = refused.unwrap_err().to_string();
         let start = format!("b.toml: line {told}");
         assert!(message.starts_with(&start), "{message}");
     }

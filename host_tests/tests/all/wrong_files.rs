@@ -111,7 +111,7 @@ const MUTATIONS: [Mutation; 120] = [
     ("ball_diameter_mm = 6.35", "ball_diameter_mm = 0.00635", 14, 20, "`ball_diameter_mm` is 0.00635, but must lie between 0.1"),
     ("ball_diameter_mm = 6.35", "ball_diameter_mm = -6.35", 14, 20, "`ball_diameter_mm` is -6.35, but must lie between 0.1 and"),
     ("ball_diameter_mm = 6.35", "ball_diameter_in = 0.25", 14, 1, "unknown field `ball_diameter_in`"),
-    ("pitch_diameter_mm = 36", "pitch_diameter_mm = 6", 5, 1, "the section there has `inner_mm` = 10, but must lie"),
+    ("pitch_diameter_mm = 36", "pitch_diameter_mm = 6", 15, 21, "`pitch_diameter_mm` is 6, but must lie between 6.4135"),
     ("inner_groove_factor = 0.515", "inner_groove_factor = 0.5", 16, 23, "`inner_groove_factor` is 0.5, but must lie between 0.501"),
     ("inner_groove_factor = 0.515", "inner_groove_factor = 51.5", 16, 23, "`inner_groove_factor` is 51.5, but must lie between 0.501"),
     ("contact_angle_deg = 15", "contact_angle_deg = 95", 18, 21, "`contact_angle_deg` is 95, but must lie between 0 and"),
