@@ -6,8 +6,6 @@
 
 use crate::ball::report::Kinetics;
 use crate::bearing::Constants;
-#[cfg(feature = "serde")]
-use crate::const_math::sin_cos;
 use crate::linalg::Pair;
 use crate::real::Real;
 use core::fmt;
@@ -244,6 +242,16 @@ pub struct Margins<T> {
     pub unloaded: u16,
 }
 
+/// Grows with an angle from -90 to 270 degrees, of this sine and cosine: up to 90 degrees the sine.
+#[inline(always)]
+fn measure<T: Real>([sin, cos]: Pair<T>) -> T {
+    if cos < T::ZERO {
+        T::ONE + T::ONE - sin
+    } else {
+        sin
+    }
+}
+
 impl<T: Real> Margins<T> {
     /// The contact nearest to a limit, or farthest beyond it; `None` if none could pass it.
     pub fn get(&self, limit: Limit) -> Option<Margin<T>> {
@@ -319,7 +327,6 @@ impl<T: Real> Margins<T> {
         let ([sin, cos], [s, r]) = (k.n, groove.shoulder);
         let side = if c.symmetric { sin.abs() } else { sin };
         let past = [side * r - cos * s, cos * r + side * s];
-        // Grows with the angle from -90 to 270 degrees: the sine up to 90.
         let mut grown = past[0];
         if !(side > T::ZERO && cos > T::ZERO) {
             // Without an inner contact, the outer one is radial but for rounding.
@@ -329,9 +336,7 @@ impl<T: Real> Margins<T> {
             if !(side > T::ZERO || past[1] > T::ZERO) {
                 return;
             }
-            if past[1] < T::ZERO {
-                grown = T::ONE + T::ONE - grown;
-            }
+            grown = measure(past);
         }
         if self.note(Limit::Shoulder, grown, at) {
             self.past = past;
@@ -395,6 +400,8 @@ struct MarginsData<T> {
     limits: Limits<T>,
     passed: LimitSet,
     worst: Worst<T>,
+    /// Sine and cosine of the shoulder's margin, which the angle has but for rounding.
+    past: Pair<T>,
     unloaded: u16,
 }
 
@@ -425,6 +432,7 @@ impl<T: Real> From<Margins<T>> for MarginsData<T> {
                 friction: margins.get(Limit::Friction),
                 inner_contact: margins.get(Limit::InnerContact),
             },
+            past: margins.past,
             unloaded: margins.unloaded,
         }
     }
@@ -434,7 +442,7 @@ impl<T: Real> From<Margins<T>> for MarginsData<T> {
 impl<T: Real> From<MarginsData<T>> for Margins<T> {
     fn from(data: MarginsData<T>) -> Self {
         let mut margins = Self::new(data.limits);
-        margins.unloaded = data.unloaded;
+        (margins.past, margins.unloaded) = (data.past, data.unloaded);
         let Worst {
             peak_pressure,
             shoulder,
@@ -454,9 +462,8 @@ impl<T: Real> From<MarginsData<T>> for Margins<T> {
         for (worst, read) in margins.worst.iter_mut().zip(all) {
             *worst = read.unwrap_or(*worst);
         }
-        if let Some(shoulder) = shoulder {
-            let (sin, cos) = sin_cos(shoulder.value.to_f64());
-            margins.past = [T::of(sin), T::of(cos)];
+        if shoulder.is_some() {
+            margins.worst[Limit::Shoulder as usize].value = measure(data.past);
         }
         margins
     }

@@ -46,6 +46,7 @@ pub struct RowSummary<T> {
     /// How near the row is to its limits.
     pub margins: Margins<T>,
     /// `L10^(-10/9)`, `L10` in million revolutions: it adds up over rows. See [`RatingLife::of_weight`](crate::RatingLife::of_weight).
+    #[cfg_attr(feature = "serde", serde(with = "crate::serialize::number"))]
     pub life_rate: T,
 }
 
