@@ -32,7 +32,7 @@ impl Precision {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Attitude {
-    /// Raceway-control-free: from d'Alembert's principle, no race presumed to be in control
+    /// Raceway-control-free: from d'Alembert's principle, which does not assume race control
     #[default]
     Raceless,
     /// Outer race control: no spin at the outer race

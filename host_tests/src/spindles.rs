@@ -23,7 +23,7 @@ pub enum Balls {
     Centrifugal,
     /// At speed under centrifugal force and outer race control: of bearings alone.
     CentrifugalOuter,
-    /// At speed with all inertia loads, and no race in control.
+    /// At speed with all inertia loads, raceway-control-free.
     Free,
     /// At speed with all inertia loads, under outer race control.
     Outer,

@@ -44,7 +44,7 @@ pub struct AxialSolver<T: Real, M: Motion = RacewayControlFree> {
 }
 
 impl<T: Real> AxialSolver<T> {
-    /// A solver for bearings at speed, with all inertia loads and no race in control.
+    /// A solver for bearings at speed, with all inertia loads, raceway-control-free.
     pub const fn new() -> Self {
         Self::of()
     }

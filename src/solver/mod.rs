@@ -57,7 +57,7 @@ pub struct Solver<T: Real, const N: usize, M: Motion = RacewayControlFree, const
 }
 
 impl<T: Real, const N: usize> Solver<T, N> {
-    /// A solver for bearings at speed, with all inertia loads, five freedoms and no race in control.
+    /// A solver for bearings at speed, with all inertia loads and five freedoms, raceway-control-free.
     pub const fn new() -> Self {
         Self::of()
     }

@@ -298,7 +298,7 @@ impl<T: Real, const D: usize> State<T, D> {
                     Some(termination) => return termination,
                 }
             }
-            // Where a given displacement leads a step, no work says how it went.
+            // A prescribed displacement does no work: do not judge this step by work.
             let led = problem.overhang::<E>().is_some();
             let work = if led { T::ZERO } else { work };
             self.attempt.control.last = Step { du, work, damped };

@@ -128,7 +128,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             self.state = State::COLD;
             return Err(Status::Indeterminate { loaded_balls, free });
         }
-        // A tangent of other than numbers makes no undamped step.
+        // Non-finite tangents never end a solve; checked once more here.
         if are_finite(&reached.u) && are_finite(&reached.load) {
             return Ok(reached);
         }

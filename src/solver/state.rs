@@ -277,7 +277,7 @@ impl<T: Real, const D: usize> State<T, D> {
         } = &self.attempt;
         let (termination, estimate, step) = (*termination, report.estimate, report.step);
         let margin = T::of(tuning::MARGIN);
-        // What holds for the sleeve's freedom, too, is no measure of the shaft's.
+        // Errors include the sleeve; scale them to the shaft's stiffness.
         let is_sprung = D == 6 && termination == Termination::Unfinished;
         let mut stiffness = match termination {
             // The estimate is above what a long step changes by itself.

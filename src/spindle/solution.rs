@@ -125,7 +125,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         k
     }
 
-    /// Stiffness about the last point that rows hold on the way to the position `x`, in the solver's units; and that point, m.
+    /// Stiffness at the support nearest to `x`, and that position (m), in the solver's units.
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
         let (layout, centre) = (&self.spindle.layout, self.spindle.centre);

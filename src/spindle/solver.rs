@@ -33,7 +33,7 @@ pub struct SpindleSolver<
 impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     SpindleSolver<T, R, N, RacewayControlFree, D, E>
 {
-    /// A solver for spindles at speed, with all inertia loads and no race in control.
+    /// A solver for spindles at speed, with all inertia loads, raceway-control-free.
     pub const fn new() -> Self {
         Self::of()
     }

@@ -258,7 +258,7 @@ const PRECISIONS: [(&str, &str, Precision); 2] = [
 const ATTITUDES: [(&str, &str, Attitude); 3] = [
     (
         "raceless",
-        "Raceway-control-free: from d'Alembert's principle, no race presumed to be in control",
+        "Raceway-control-free: from d'Alembert's principle, which does not assume race control",
         Attitude::Raceless,
     ),
     (
