@@ -11,8 +11,8 @@
 //!
 //! - **Repeats.** A host that hears no answer sends the very request again. An order that is carried out twice does what it
 //!   does once.
-//! - **State of the spindle.** An acknowledgement says how often the alarm had been raised when somebody saw it. If it was
-//!   raised again since, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that
+//! - **State of the spindle.** An acknowledgement says in which start, and how often, the alarm had been raised when somebody
+//!   saw it. If it was raised again since, or the board has started again, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that
 //!   somebody is at the machine. While it does, somebody may say that the shaft stands, too, or that the probes' reference is
 //!   that of now.
 //! - **Share.** One order is carried out in [`ORDER_EVERY`] ticks, and only if the answer before it is gone: orders cannot
@@ -62,6 +62,8 @@ pub enum Order {
     Acknowledge {
         /// The alarm.
         alarm: Alarm,
+        /// Number of the start in which it was seen ([`AlarmReport::start`](crate::telemetry::AlarmReport::start)).
+        start: u32,
         /// How often it had been raised ([`AlarmReport::raised`](crate::telemetry::AlarmReport::raised)).
         raised: u32,
     },
@@ -94,7 +96,7 @@ pub enum AnswerCode {
     NotAtStandstill,
     /// The board's input for service was off.
     NotInService,
-    /// The alarm was raised again since, or not so often yet.
+    /// The alarm was raised again since, or not so often yet, or in another start.
     NoSuchOccurrence,
     /// A probe has seen too few load steps ([`LEAST_STEPS`](crate::response::LEAST_STEPS)), or does not follow them, or there is none.
     TooFewSteps,
@@ -203,6 +205,7 @@ mod tests {
             .map(|alarm| {
                 ask(Order::Acknowledge {
                     alarm,
+                    start: u32::MAX,
                     raised: u32::MAX,
                 })
             })

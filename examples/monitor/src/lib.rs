@@ -321,8 +321,13 @@ impl<
 
     fn carry_out(&mut self, time_us: u64, order: Order, service: bool) -> AnswerCode {
         match order {
-            Order::Acknowledge { alarm, raised } => {
-                if self.alarms.alarm(alarm).counts().0 != raised {
+            Order::Acknowledge {
+                alarm,
+                start,
+                raised,
+            } => {
+                let now = (self.reports.start(), self.alarms.alarm(alarm).counts().0);
+                if now != (start, raised) {
                     return AnswerCode::NoSuchOccurrence;
                 }
                 self.acknowledge(time_us, alarm);

@@ -260,6 +260,7 @@ mod tests {
             value: 1.0,
             limit: 1.0,
             place: None,
+            start: 0,
             raised,
             cleared: 0,
         })

@@ -131,6 +131,11 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         self.hello.start = past.start;
     }
 
+    /// Number of this start.
+    pub(crate) const fn start(&self) -> u32 {
+        self.hello.start.boots
+    }
+
     /// Takes the rows of the mounted spindle, cold and at rest.
     pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>; R]) {
         let preloads = rows.iter().map(|row| row.preload);
@@ -369,6 +374,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 _ => threshold.raise,
             },
             place,
+            start: self.start(),
             raised,
             cleared,
         };

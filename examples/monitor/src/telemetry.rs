@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::{Frequencies, Limit, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 9;
+pub const VERSION: u8 = 10;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -307,6 +307,8 @@ pub struct AlarmReport {
     pub limit: f32,
     /// The worst ball, counted on from row to row, or the worst probe, if it is about one.
     pub place: Option<u16>,
+    /// Number of this start ([`StartReport::boots`]), which an acknowledgement repeats.
+    pub start: u32,
     /// How often this alarm was raised since the start.
     pub raised: u32,
     /// How often its condition went away again.
@@ -435,6 +437,7 @@ mod tests {
             value: f32::MAX,
             limit: f32::MAX,
             place: Some(u16::MAX),
+            start: u32::MAX,
             raised,
             cleared: u32::MAX,
         })
@@ -482,6 +485,7 @@ mod tests {
             number: u16::MAX,
             order: Order::Acknowledge {
                 alarm: Alarm::Deadline,
+                start: u32::MAX,
                 raised: u32::MAX,
             },
             outcome: AnswerCode::NoSuchOccurrence,
@@ -681,6 +685,7 @@ mod tests {
                 value: 1.0,
                 limit: 0.5,
                 place: None,
+                start: 300,
                 raised: 1,
                 cleared: 0,
             }),
@@ -688,7 +693,7 @@ mod tests {
         let mut bytes = [0; 64];
         let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
         let expected = [
-            8, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 1, 0,
+            8, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0xac, 0x02, 1, 0,
         ];
         assert_eq!(bytes, expected);
         let place = RowPlace {

@@ -103,6 +103,7 @@ fn step(u: &mut Unstructured) -> Result<Step> {
                 2 => Order::Commission,
                 _ => Order::Acknowledge {
                     alarm: *u.choose(&Alarm::ALL)?,
+                    start: 0,
                     raised: u.int_in_range(0..=3)?,
                 },
             };

@@ -52,6 +52,7 @@ pub fn alarm(alarm: Alarm, change: AlarmChange, state: AlarmState) -> AlarmRepor
         value: 0.25,
         limit: 0.2,
         place: None,
+        start: 7,
         raised: 1,
         cleared: 0,
     }

@@ -67,6 +67,7 @@ impl<W: Write> Operator<W> {
         for (_, of) in state.standing() {
             let order = Order::Acknowledge {
                 alarm: of.alarm,
+                start: of.start,
                 raised: of.raised,
             };
             let is_known = self.wanted.contains(&order)

@@ -59,7 +59,11 @@ pub const FRESH: u32 = 20;
 /// An order in a few words.
 pub fn words(order: &Order) -> String {
     match order {
-        Order::Acknowledge { alarm, raised } => format!("acknowledge {alarm}, occurrence {raised}"),
+        Order::Acknowledge {
+            alarm,
+            start,
+            raised,
+        } => format!("acknowledge {alarm}, occurrence {raised} of start {start}"),
         Order::ReplaceBearing => "take the bearing for a new one".into(),
         Order::ShaftStands => "believe that the shaft stands".into(),
         Order::Commission => "take the probes' ratios so far for the reference".into(),

@@ -443,10 +443,12 @@ fn an_acknowledgement_of_one_occurrence_is_none_of_the_next() {
         (3, AnswerCode::NoSuchOccurrence, AlarmState::Clear),
     ] {
         let alarm = Alarm::PeakPressure;
-        assert_eq!(
-            ask(&mut rig, Order::Acknowledge { alarm, raised }, false),
-            answer
-        );
+        let acknowledge = Order::Acknowledge {
+            alarm,
+            start: 0,
+            raised,
+        };
+        assert_eq!(ask(&mut rig, acknowledge, false), answer);
         assert_eq!(rig.state(alarm), state);
     }
 }

@@ -100,6 +100,7 @@ impl Board {
             0 => Order::ReplaceBearing,
             _ => Order::Acknowledge {
                 alarm: Alarm::ALL[random.below(Alarm::COUNT)],
+                start: 0,
                 raised: random.below(3) as u32,
             },
         };

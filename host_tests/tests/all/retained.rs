@@ -6,6 +6,7 @@ use host_tests::cases::B7005C;
 use laws::flash::FailingFlash;
 use spindle_firmware::flash;
 use spindle_monitor::board::ResetCause;
+use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
@@ -17,7 +18,7 @@ use spindle_monitor::retained::{
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
-use spindle_monitor::{Judgement, Life, Marks, Monitor, Readings};
+use spindle_monitor::{Judgement, Life, Marks, Monitor, Order, Readings};
 
 static SETTINGS: MonitorSettings = {
     let mut settings = MonitorSettings::new(&B7005C, 16);
@@ -542,6 +543,80 @@ fn a_monitor_tells_of_its_start_and_of_the_alarms_before_it() {
     let (last, before) = states.split_last().unwrap();
     assert!(!before.is_empty() && before.iter().all(|state| *state == AlarmState::Latched));
     assert_eq!(*last, AlarmState::Clear);
+}
+
+/// An overload in each of two starts, the first of each: a request that is sent again after the restart is about the other one.
+#[test]
+fn an_acknowledgement_of_the_start_before_is_refused() {
+    fn overload(monitor: &mut Monitor<1, 16>, request: Option<Request>) -> Vec<Payload> {
+        let (mut reader, mut told) = (FrameReader::new(), Vec::new());
+        for ms in 0..100 {
+            let time_us = ms * 1000;
+            let mut readings = readings(time_us);
+            if let Ok(Some(sample)) = &mut readings.loads {
+                sample.load[1] = 1e6;
+            }
+            if ms == 50
+                && let Some(request) = &request
+            {
+                monitor.ask(request, false);
+            }
+            monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
+            while let Some(byte) = monitor.outbox().next_byte() {
+                told.extend(reader.push(byte).map(|frame| frame.unwrap().payload));
+            }
+        }
+        told
+    }
+    let of_overload = |told: &[Payload]| {
+        let raised = told.iter().find_map(|payload| match payload {
+            Payload::Alarm(report) if report.alarm == Alarm::Overload => Some(*report),
+            _ => None,
+        });
+        let report = raised.expect("an overload");
+        assert_eq!((report.state, report.raised), (AlarmState::Raised, 1));
+        Request {
+            number: 1,
+            order: Order::Acknowledge {
+                alarm: report.alarm,
+                start: report.start,
+                raised: report.raised,
+            },
+        }
+    };
+    let answer = |told: &[Payload]| {
+        told.iter().find_map(|payload| match payload {
+            Payload::Answer(answer) => Some(answer.outcome),
+            _ => None,
+        })
+    };
+    let start = |flash| {
+        let (mut store, past) = Store::open(flash, IDENTITY, ResetCause::Watchdog);
+        while store.step() {}
+        (store.into_flash(), monitor(&past))
+    };
+    let (flash, mut first) = start(Wide::new(2));
+    let seen = of_overload(&overload(&mut first, None));
+    let (flash, mut second) = start(flash);
+    let told = overload(&mut second, Some(seen));
+    assert_eq!(answer(&told), Some(AnswerCode::NoSuchOccurrence));
+    let judged = second.judgement().alarm(Alarm::Overload);
+    assert_eq!(judged.state(), AlarmState::Raised);
+    // What this start has told of is taken.
+    let (_, mut third) = start(flash);
+    let seen = Request {
+        order: Order::Acknowledge {
+            alarm: Alarm::Overload,
+            start: 3,
+            raised: 1,
+        },
+        ..seen
+    };
+    let told = overload(&mut third, Some(seen));
+    assert_eq!(of_overload(&told), seen);
+    assert_eq!(answer(&told), Some(AnswerCode::Done));
+    let judged = third.judgement().alarm(Alarm::Overload);
+    assert_eq!(judged.state(), AlarmState::Acknowledged);
 }
 
 #[test]

@@ -68,6 +68,7 @@ fn samples() -> Vec<Payload> {
     ]);
     let acknowledge = Order::Acknowledge {
         alarm: Alarm::Slip,
+        start: 7,
         raised: 1,
     };
     let orders = [acknowledge, Order::ReplaceBearing];
@@ -280,7 +281,7 @@ fn a_line_that_is_no_frame_is_a_damaged_piece() {
     for (from, to) in [
         ("health", "wealth"),
         ("1000", "-1000"),
-        ("\"version\":9", "\"version\":8"),
+        ("\"version\":10", "\"version\":9"),
         ("\"life_used\":0.0", "\"life_used\":null"),
     ] {
         assert!(line.contains(from));
@@ -512,7 +513,11 @@ fn only_alarms_that_nobody_has_acknowledged_are_acknowledged_by_their_occurrence
     assert_eq!(said.as_deref(), Some("2 to be acknowledged"));
     assert_eq!(operator.press('x', &state), None);
     operator.follow(&state).unwrap();
-    let acknowledge = |alarm| Order::Acknowledge { alarm, raised: 1 };
+    let acknowledge = |alarm| Order::Acknowledge {
+        alarm,
+        start: 7,
+        raised: 1,
+    };
     let expected = [
         (1, acknowledge(Alarm::Slip)),
         (2, acknowledge(Alarm::Sensor)),
@@ -542,6 +547,7 @@ fn an_order_is_sent_again_until_it_is_answered_and_is_given_up_in_the_end() {
     let mut operator = Operator::new(Vec::new());
     let acknowledge = Order::Acknowledge {
         alarm: Alarm::Slip,
+        start: 7,
         raised: 1,
     };
     operator.want(Order::ReplaceBearing);

@@ -53,7 +53,11 @@ fn of_chain(path: &str) -> Vec<(u64, &'static str, bool)> {
             if is_raised {
                 raised[alarm as usize] += 1;
                 let raised = raised[alarm as usize];
-                let order = Order::Acknowledge { alarm, raised };
+                let order = Order::Acknowledge {
+                    alarm,
+                    start: 0,
+                    raised,
+                };
                 let request = Request { number: 0, order };
                 orders.extend(command::encode(Command::Ask(request)));
             }
