@@ -5,7 +5,6 @@
 
 use files::monitors::MonitorFile;
 use files::plan::{BuildError, MOST_BALLS, Plan, Row};
-use files::probes::Probe;
 use files::spindles::SpindleFile;
 use mounting::{Visitor, board};
 use spindle_bearing::{Design, Preload, Spindle, Support};
@@ -179,14 +178,11 @@ fn spindle(text: &mut String, plan: &Plan) -> Result<()> {
         if freedoms == 6 { ", 6" } else { "" },
         plan.arrangement
     )?;
-    let identity = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(text.as_bytes());
     let load = known_load(plan);
     Ok(writeln!(
         text,
         "/// Axial load that the spindle carries in normal use, N, for a self check.\n\
-         pub const KNOWN_LOAD: f32 = {load:?};\n\
-         /// Whose life and alarms are kept over a power cycle: another spindle does not take them.\n\
-         pub const IDENTITY: Identity = Identity::of({identity:#x});"
+         pub const KNOWN_LOAD: f32 = {load:?};"
     )?)
 }
 
@@ -259,13 +255,6 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
         accuracy: probe.accuracy as f32,
     });
     let probes: Vec<_> = probes.collect();
-    // All that a ratio depends on besides the spindle.
-    let of = |probe: &Probe| format!("{:?}", (probe.position, probe.direction, probe.channel));
-    let mut each: String = file.probes.iter().map(of).collect();
-    if let Some(bridges) = file.monitor.bridges.as_ref().filter(|_| !each.is_empty()) {
-        write!(each, "{:?}", bridges.counts)?;
-    }
-    let identity = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(each.as_bytes());
     let channels = file.probes.iter().map(|probe| probe.channel);
     let channels: Option<Vec<_>> = channels.collect();
     let channels = channels.filter(|channels| !channels.is_empty());
@@ -280,15 +269,19 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
     }
     Ok(writeln!(
         text,
-        "/// Probes.\n\
+        "/// Whose data are kept over a power cycle: another spindle does not take them.\n\
+         pub const IDENTITY: Identity = Identity::of({:#x}, {:#x});\n\
+         /// Probes.\n\
          pub const PROBES: usize = {};\n\
          /// Channels of the converter that the probes are at, and um per count; none for readings over the port.\n\
          pub const PROBE_CHANNELS: Option<[(usize, f32); PROBES]> = {channels:?};\n\
          /// Settings of the probes.\n\
          pub static RESPONSE: ResponseSettings<PROBES> = {{\n\
          #[allow(unused_imports)]\nuse spindle_monitor::{{ProbeSettings, response::Fault}};\n\
-         ResponseSettings {{ probes: {probes:?}, identity: {identity:#x}, faults: &[{faults}] }}\n}};\n\
+         ResponseSettings {{ probes: {probes:?}, faults: &[{faults}] }}\n}};\n\
          const _: () = assert!(RESPONSE.check().is_ok());",
+        file.bearings_checksum(),
+        file.displacements_checksum(),
         probes.len()
     )?)
 }

@@ -77,9 +77,10 @@ impl<C: Cells> Keeper<C> {
                 let (store, past) = recall(cells, cause);
                 let report = store.report();
                 defmt::info!(
-                    "start {=u32}, life and alarms over the power cycle: {=str}, {=u16} damaged records",
+                    "start {=u32}, over the power cycle: life and alarms {=str}, references {=str}, {=u16} damaged records",
                     past.start.boots,
                     report.recovery.name(),
+                    report.references.name(),
                     report.damaged
                 );
                 (Some(store), past)

@@ -16,8 +16,9 @@
 //! How often each alarm was raised is kept along with them. The tare is not kept: it drifts, and a shaft stands still when
 //! power comes on, so that it is taken again.
 //!
-//! Life and alarms belong to a spindle ([`Identity`]). With another spindle life begins at 0 without alarms, and the number of starts goes on.
-//! References belong to its probes, too ([`References`]).
+//! Life and alarms belong to the bearings of a spindle ([`Identity`]). With other bearings life begins at 0 without alarms, and the
+//! number of starts goes on. References belong to all that the displacements computed at the probes depend on, too: with another
+//! support, preload or probe they alone are gone.
 //! With a record of another [`VERSION`] all of it begins at 0.
 //!
 //! **A power cut loses** the larger of two lives: the one used in two minutes, and a 64th of the one used since the
@@ -66,7 +67,7 @@ pub enum Recovery {
     Blank,
     /// The newest undamaged record goes on.
     Recovered,
-    /// The record is of another spindle: life begins at 0 without alarms, the number of starts goes on.
+    /// The record is of another spindle: life begins at 0 without alarms, or there are no references; the number of starts goes on.
     OtherSpindle,
     /// The record is of another version of the monitor.
     OtherVersion,
@@ -102,8 +103,10 @@ impl Recovery {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RetentionReport {
-    /// Recovery of life, alarms and references.
+    /// Recovery of life and alarms.
     pub recovery: Recovery,
+    /// Recovery of the probes' references.
+    pub references: Recovery,
     /// Damaged records that were met at the start, such as one that the power was lost in.
     pub damaged: u16,
     /// Copies of records written since the start, two of each record.
@@ -126,15 +129,8 @@ pub struct StartReport {
     pub raised: [u8; Alarm::COUNT],
 }
 
-/// Ratios of the probes at commissioning.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct References {
-    /// Whose they are ([`ResponseSettings::identity`](crate::ResponseSettings::identity)).
-    pub probes: u32,
-    /// The ratios, none of a probe without one.
-    pub ratios: [Option<Ratio>; MOST_PROBES],
-}
+/// Ratios of the probes at commissioning, none of a probe without one.
+pub type References = [Option<Ratio>; MOST_PROBES];
 
 /// Unit in which a record has the standard error of a reference.
 const ERROR_UNIT: f32 = 1e-5;
@@ -161,15 +157,15 @@ impl Past {
         past
     }
 
-    /// Payload of a record, numbers little-endian: version, cause, alarms, spindle, life, starts, times raised, probes, references.
-    fn encode(&self, Identity(spindle): Identity) -> [u8; PAYLOAD] {
+    /// Payload of a record, numbers little-endian: version, cause, alarms, bearings, life, starts, times raised,
+    /// displacements, references.
+    fn encode(&self, identity: Identity) -> [u8; PAYLOAD] {
         let (used, revolutions) = self.life;
         let start = &self.start;
-        let References { probes, ratios } = &self.references;
         let mut references = [[0; REFERENCE]; MOST_PROBES];
         for (bytes, Ratio { value, error }) in references
             .iter_mut()
-            .zip(ratios)
+            .zip(&self.references)
             .filter_map(|(bytes, ratio)| Some((bytes, (*ratio)?)))
         {
             // A cast stops at the largest number.
@@ -183,12 +179,12 @@ impl Past {
         let parts: [&[u8]; 9] = [
             &[VERSION, start.cause as u8],
             &start.alarms.as_repr().to_le_bytes(),
-            &spindle.to_le_bytes(),
+            &identity.bearings.to_le_bytes(),
             &used.to_le_bytes(),
             &revolutions.to_le_bytes(),
             &start.boots.to_le_bytes(),
             &start.raised,
-            &probes.to_le_bytes(),
+            &identity.displacements.to_le_bytes(),
             references.as_flattened(),
         ];
         let mut payload = [0; PAYLOAD];
@@ -198,24 +194,24 @@ impl Past {
         payload
     }
 
-    /// The past in a payload, and its spindle; `None` if it is of another version.
+    /// The past in a payload, and whose it is; `None` if it is of another version.
     fn decode(payload: &[u8; PAYLOAD]) -> Option<(Identity, Self)> {
         let (&[version, cause], rest) = payload.split_first_chunk()?;
         let (alarms, rest) = rest.split_first_chunk()?;
-        let (spindle, rest) = rest.split_first_chunk()?;
+        let (bearings, rest) = rest.split_first_chunk()?;
         let (used, rest) = rest.split_first_chunk()?;
         let (revolutions, rest) = rest.split_first_chunk()?;
         let (boots, rest) = rest.split_first_chunk()?;
         let (raised, rest) = rest.split_first_chunk()?;
-        let (probes, rest) = rest.split_first_chunk()?;
-        let (references, _) = rest.split_first_chunk::<{ MOST_PROBES * REFERENCE }>()?;
-        let (references, _) = references.as_chunks::<REFERENCE>();
+        let (displacements, rest) = rest.split_first_chunk()?;
+        let (ratios, _) = rest.split_first_chunk::<{ MOST_PROBES * REFERENCE }>()?;
+        let (ratios, _) = ratios.as_chunks::<REFERENCE>();
         let ratio = |[a, b, c, d, error @ ..]: [u8; REFERENCE]| Ratio {
             value: f32::from_le_bytes([a, b, c, d]),
             error: f32::from(u16::from_le_bytes(error)) * ERROR_UNIT,
         };
-        let ratios = from_fn(|i| {
-            let ratio = ratio(*references.get(i)?);
+        let references = from_fn(|i| {
+            let ratio = ratio(*ratios.get(i)?);
             (ratio.value.is_finite() && ratio.value > 0.0).then_some(ratio)
         });
         let causes = ResetCause::ALL.get(usize::from(cause));
@@ -227,12 +223,13 @@ impl Past {
                 alarms: EnumSet::from_repr_truncated(u16::from_le_bytes(*alarms)),
                 raised: *raised,
             },
-            references: References {
-                probes: u32::from_le_bytes(*probes),
-                ratios,
-            },
+            references,
         };
-        (version == VERSION).then_some((Identity(u32::from_le_bytes(*spindle)), past))
+        let identity = Identity {
+            bearings: u32::from_le_bytes(*bearings),
+            displacements: u32::from_le_bytes(*displacements),
+        };
+        (version == VERSION).then_some((identity, past))
     }
 }
 
@@ -245,12 +242,20 @@ const _: () = assert!(
 /// Identity of a spindle, which tells its data from another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Identity(u32);
+pub struct Identity {
+    bearings: u32,
+    displacements: u32,
+}
 
 impl Identity {
-    /// Of a checksum of all that the kept data of a spindle depend on.
-    pub const fn of(checksum: u32) -> Self {
-        Self(checksum)
+    /// Of two checksums: of the bearings, and of all numbers that the displacements computed at the probes depend on.
+    ///
+    /// Both are of numbers, so that life does not end with the wording of a program.
+    pub const fn of(bearings: u32, displacements: u32) -> Self {
+        Self {
+            bearings,
+            displacements,
+        }
     }
 }
 
@@ -260,6 +265,7 @@ pub struct Store<F> {
     log: Log<F>,
     identity: Identity,
     recovery: Recovery,
+    references: Recovery,
     /// Data at the start, with the life of the bearing that is in place; and in the log, once the due record is written.
     began: Past,
     past: Past,
@@ -279,22 +285,31 @@ impl<F: NorFlash> Store<F> {
     pub fn open(flash: F, identity: Identity, cause: ResetCause) -> (Self, Past) {
         let (log, payload) = Log::open(flash);
         let mut past = Past::without_memory(cause);
-        let recovery = match payload.as_ref().map(Past::decode) {
+        let kept = payload.as_ref().map(Past::decode);
+        let recovery = match &kept {
             _ if !log.has_memory() => Recovery::NoMemory,
             None if log.counts().damaged > 0 => Recovery::Damaged,
             None => Recovery::Blank,
             Some(None) => Recovery::OtherVersion,
-            Some(Some((spindle, kept))) => {
+            Some(Some((whose, kept))) => {
                 past.start.boots = kept.start.boots;
-                if spindle == identity {
+                if whose.bearings == identity.bearings {
                     past.life = kept.life;
                     past.start.alarms = kept.start.alarms;
                     past.start.raised = kept.start.raised;
-                    past.references = kept.references;
                     Recovery::Recovered
                 } else {
                     Recovery::OtherSpindle
                 }
+            }
+        };
+        let references = match kept.flatten() {
+            None => recovery,
+            Some((_, kept)) if kept.references == References::default() => Recovery::Blank,
+            Some((whose, _)) if whose != identity => Recovery::OtherSpindle,
+            Some((_, kept)) => {
+                past.references = kept.references;
+                Recovery::Recovered
             }
         };
         let due = recovery != Recovery::NoMemory;
@@ -303,6 +318,7 @@ impl<F: NorFlash> Store<F> {
             log,
             identity,
             recovery,
+            references,
             began: past,
             past,
             due,
@@ -397,6 +413,7 @@ impl<F: NorFlash> Store<F> {
         let counts = self.log.counts();
         RetentionReport {
             recovery: self.recovery,
+            references: self.references,
             damaged: counts.damaged,
             written: counts.written,
             failed: counts.failed,

@@ -164,8 +164,6 @@ pub struct ProbeSettings {
 pub struct ResponseSettings<const P: usize> {
     /// The probes.
     pub probes: [ProbeSettings; P],
-    /// Whose references are kept over a power cycle: other probes do not take them.
-    pub identity: u32,
     /// Faults that may be named, with the change of each ratio by a small one.
     pub faults: &'static [(Fault, [f32; P])],
 }
@@ -174,7 +172,6 @@ impl ResponseSettings<0> {
     /// No probes.
     pub const NONE: Self = Self {
         probes: [],
-        identity: 0,
         faults: &[],
     };
 }
@@ -588,7 +585,6 @@ mod tests {
                 direction: [0.0, 0.6, -0.8],
                 accuracy: 0.2,
             }],
-            identity: 0,
             faults: &[(Fault::Preload, [0.06])],
         };
         assert_eq!(good.check(), Ok(()));

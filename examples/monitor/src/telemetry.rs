@@ -41,8 +41,8 @@ pub const ROWS_PER_FRAME: usize = 4;
 /// Length of the longest message that a frame can become, checksum included.
 ///
 /// Version, sequence, time and variant have 17 bytes. Then come the numbers of a [`HealthReport`]: 17 of 64 bits, four of 32, one
-/// of 16, five floats and three names.
-pub const MESSAGE_LENGTH: usize = 17 + (17 * 10 + 4 * 5 + 3 + 5 * 4 + 3) + CHECKSUM_LENGTH;
+/// of 16, five floats and four names.
+pub const MESSAGE_LENGTH: usize = 17 + (17 * 10 + 4 * 5 + 3 + 5 * 4 + 4) + CHECKSUM_LENGTH;
 
 /// Length of the frame of the longest message, its delimiter included.
 pub const FRAME_LENGTH: usize = framing::frame_length(MESSAGE_LENGTH);
@@ -460,6 +460,7 @@ mod tests {
             marks: Marks::all(),
             retention: RetentionReport {
                 recovery: Recovery::Damaged,
+                references: Recovery::Damaged,
                 damaged: u16::MAX,
                 written: u32::MAX,
                 failed: u32::MAX,

@@ -4,6 +4,7 @@ pub mod calibration;
 pub mod catalogue;
 pub mod designs;
 pub mod fault;
+mod identity;
 pub mod import;
 mod lines;
 pub mod monitors;

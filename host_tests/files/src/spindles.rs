@@ -102,9 +102,9 @@ pub struct SpindleFile {
     /// Its probes.
     pub probes: Vec<Probe>,
     /// Growth of each row that is always there.
-    growth: Vec<Growth<f64>>,
+    pub(crate) growth: Vec<Growth<f64>>,
     /// Bore of the shaft at each row, on which inner rings grow with the speed, m; none if they do not.
-    bores: Vec<f64>,
+    pub(crate) bores: Vec<f64>,
     /// Thermal expansion, if temperatures count.
     pub heat: Option<Heat>,
     /// Its monitor.

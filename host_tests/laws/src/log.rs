@@ -7,9 +7,10 @@ use crate::flash::FailingFlash;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use spindle_monitor::board::ResetCause;
+use spindle_monitor::command::MOST_PROBES;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::log::{Log, PAYLOAD};
-use spindle_monitor::retained::{NorFlash, Recovery, VERSION};
+use spindle_monitor::retained::{NorFlash, Recovery, RetentionReport, VERSION};
 use spindle_monitor::{Alarm, Identity, Judgement, Life, Past, Store};
 use std::ops::Range;
 
@@ -18,12 +19,14 @@ const SECTOR: usize = 1024;
 const SECTORS: usize = 1;
 const HALF: usize = SECTORS * SECTOR;
 
-const IDENTITY: Identity = Identity::of(7005);
+const IDENTITY: Identity = Identity::of(7005, 25);
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Bytes of a record, and where its parts are.
 const RECORD: usize = 4 + PAYLOAD + 4;
-const SPINDLE: Range<usize> = 8..12;
+const BEARINGS: Range<usize> = 8..12;
+const RAISED: Range<usize> = 32..32 + Alarm::COUNT;
+const DISPLACEMENTS: Range<usize> = RAISED.end..RAISED.end + 4;
 
 /// An image, and starts of a board on it.
 #[derive(Debug)]
@@ -42,7 +45,7 @@ enum Slot {
     Blank,
     /// Bytes as they are.
     Bytes([u8; RECORD]),
-    /// A number and a payload, with their checksum; of this spindle, or of any.
+    /// A number and a payload, with their checksum; of these bearings and, with an odd number, these displacements, or of any.
     Record(u32, [u8; PAYLOAD], bool),
     /// The record before it once more.
     Again,
@@ -116,19 +119,19 @@ pub fn check(run: &Run) -> Ends {
     }
 }
 
-/// The bytes of [`IDENTITY`], as a record has them.
-fn spindle() -> [u8; 4] {
+/// The bytes of [`IDENTITY`] at both places of a record.
+fn identity() -> [[u8; 4]; 2] {
     let flash = FailingFlash::<4, SECTOR>::new(2);
     let (mut store, _) = Store::open(flash, IDENTITY, ResetCause::PowerOn);
     while store.step() {}
     let bytes = store.into_flash().bytes;
-    bytes[SPINDLE].try_into().expect("four bytes")
+    [BEARINGS, DISPLACEMENTS].map(|place| bytes[place].try_into().expect("four bytes"))
 }
 
 fn image<const UNIT: usize>(run: &Run) -> FailingFlash<UNIT, SECTOR> {
     let mut flash = FailingFlash::<UNIT, SECTOR>::new(2 * SECTORS);
     let places = places::<UNIT>();
-    let spindle = spindle();
+    let [bearings, displacements] = identity();
     let mut last = [0xff; RECORD];
     for (at, slot) in places.zip(&run.slots) {
         match slot {
@@ -139,7 +142,10 @@ fn image<const UNIT: usize>(run: &Run) -> FailingFlash<UNIT, SECTOR> {
                 last[..4].copy_from_slice(&number.to_le_bytes());
                 last[4..][..PAYLOAD].copy_from_slice(payload);
                 if *ours {
-                    last[SPINDLE].copy_from_slice(&spindle);
+                    last[BEARINGS].copy_from_slice(&bearings);
+                }
+                if *ours && number % 2 == 1 {
+                    last[DISPLACEMENTS].copy_from_slice(&displacements);
                 }
                 let checksum = CHECKSUM.checksum(&last[..4 + PAYLOAD]);
                 last[4 + PAYLOAD..].copy_from_slice(&checksum.to_le_bytes());
@@ -181,36 +187,43 @@ fn newest<const UNIT: usize>(bytes: &[u8]) -> Vec<[u8; PAYLOAD]> {
     newest.1
 }
 
-/// Whether a past is of such a payload: number of starts, and of this spindle also alarms and life.
-fn is_of(past: &Past, payload: &[u8; PAYLOAD], recovery: Recovery) -> bool {
-    let (head, rest) = payload.split_at(28);
-    let (raised, references) = rest.split_at(Alarm::COUNT);
-    let number = |from: usize, length: usize| {
-        let bytes = head[from..][..length].iter().rev();
+/// Whether a past is of such a payload: number of starts, of these bearings also alarms and life, and references of this spindle.
+fn is_of(past: &Past, payload: &[u8; PAYLOAD], report: &RetentionReport) -> bool {
+    let payload = |place: Range<usize>| &payload[place.start - 4..place.end - 4];
+    let number = |place: Range<usize>| {
+        let bytes = payload(place).iter().rev();
         bytes.fold(0_u64, |number, byte| number << 8 | u64::from(*byte))
     };
-    let is_ours = head[4..8] == spindle();
-    let boots = number(24, 4).saturating_add(1).min(u32::MAX.into());
-    let kept = (number(8, 8), number(16, 8));
-    match recovery {
-        Recovery::Recovered => {
-            let start = &past.start;
-            let same = start.alarms == alarms(number(2, 2) as u16) && start.raised[..] == *raised;
-            let mut ratios = past
-                .references
-                .ratios
-                .iter()
-                .zip(references[4..].chunks_exact(6));
-            let referred = ratios.all(|(ratio, bytes)| {
-                let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-                ratio.map(|ratio| ratio.value) == Some(value).filter(|x| x.is_finite() && *x > 0.0)
-            });
-            is_ours && past.life == kept && same && referred && u64::from(start.boots) == boots
+    let [bearings, displacements] = identity();
+    let has_bearings = *payload(BEARINGS) == bearings;
+    let is_ours = has_bearings && *payload(DISPLACEMENTS) == displacements;
+    let boots = number(28..32).saturating_add(1).min(u32::MAX.into());
+    let start = &past.start;
+    let ratios = payload(DISPLACEMENTS.end..4 + PAYLOAD).chunks_exact(6);
+    let ratios = ratios.take(MOST_PROBES).map(|bytes| {
+        let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        Some(value).filter(|x| x.is_finite() && *x > 0.0)
+    });
+    let ratios: Vec<_> = ratios.collect();
+    let found = past.references.map(|ratio| ratio.map(|ratio| ratio.value));
+    let referred = match report.references {
+        Recovery::Recovered => is_ours && found[..] == ratios,
+        Recovery::Blank => ratios.iter().all(Option::is_none) && found == [None; MOST_PROBES],
+        Recovery::OtherSpindle => !is_ours && found == [None; MOST_PROBES],
+        other => other == report.recovery && found == [None; MOST_PROBES],
+    };
+    referred
+        && match report.recovery {
+            Recovery::Recovered => {
+                let same = start.alarms == alarms(number(6..8) as u16)
+                    && start.raised[..] == *payload(RAISED);
+                let kept = (number(12..20), number(20..28));
+                has_bearings && past.life == kept && same && u64::from(start.boots) == boots
+            }
+            Recovery::OtherSpindle => !has_bearings && u64::from(start.boots) == boots,
+            Recovery::OtherVersion => payload(4..5) != [VERSION] && start.boots == 1,
+            _ => false,
         }
-        Recovery::OtherSpindle => !is_ours && u64::from(past.start.boots) == boots,
-        Recovery::OtherVersion => head[0] != VERSION && past.start.boots == 1,
-        _ => false,
-    }
 }
 
 fn with_unit<const UNIT: usize>(run: &Run) -> Ends {
@@ -234,7 +247,7 @@ fn with_unit<const UNIT: usize>(run: &Run) -> Ends {
                 let nothing = (past.life, past.start.alarms, past.start.boots);
                 assert_eq!(nothing, ((0, 0), EnumSet::new(), 1));
             }
-            recovery => assert!(newest.iter().any(|payload| is_of(&past, payload, recovery))),
+            _ => assert!(newest.iter().any(|payload| is_of(&past, payload, &report))),
         }
         if let Some((life, alarms, boots)) = kept {
             assert_eq!(report.recovery, Recovery::Recovered);

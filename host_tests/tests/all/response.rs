@@ -19,7 +19,6 @@ use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::pairs::{Pairs, TickReadings};
 use spindle_monitor::response::{ProbeReport, Ratio, Response, State, fault, is_aliased};
-use spindle_monitor::retained::References;
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
 use spindle_monitor::{
@@ -506,7 +505,6 @@ static ON_BOARD: ResponseSettings<2> = ResponseSettings {
             accuracy: 0.2,
         },
     ],
-    identity: 1,
     faults: &[],
 };
 
@@ -590,7 +588,7 @@ fn a_monitor_is_commissioned_and_knows_a_change_over_a_power_cycle() {
     assert_eq!(ON_BOARD.check(), Ok(()));
     let mut store = Store::open(
         FailingFlash::<4, 4096>::new(2),
-        Identity::of(1),
+        Identity::of(1, 1),
         ResetCause::PowerOn,
     )
     .0;
@@ -614,7 +612,8 @@ fn a_monitor_is_commissioned_and_knows_a_change_over_a_power_cycle() {
     bench.monitor.retain(10_000_000, &mut store);
     while store.step() {}
 
-    let (mut store, past) = Store::open(store.into_flash(), Identity::of(1), ResetCause::PowerOn);
+    let (mut store, past) =
+        Store::open(store.into_flash(), Identity::of(1, 1), ResetCause::PowerOn);
     let mut bench = Bench::new(&past);
     bench.run(0..3001, 1.2, true);
     assert_eq!(bench.states(), [State::StiffnessLoss; 2]);
@@ -649,16 +648,11 @@ fn a_monitor_is_commissioned_and_knows_a_change_over_a_power_cycle() {
     assert_eq!(bench.answers, [TooFewSteps, TooFewSteps, Done]);
     bench.monitor.retain(22_000_000, &mut store);
     while store.step() {}
-    let (_, past) = Store::open(store.into_flash(), Identity::of(1), ResetCause::PowerOn);
-    assert!(past.references.ratios[..2].iter().all(Option::is_some));
+    let flash = store.into_flash();
+    let (_, past) = Store::open(flash.clone(), Identity::of(1, 1), ResetCause::PowerOn);
+    assert!(past.references[..2].iter().all(Option::is_some));
     // Other probes do not take these references.
-    let past = Past {
-        references: References {
-            probes: ON_BOARD.identity + 1,
-            ..past.references
-        },
-        ..past
-    };
+    let (_, past) = Store::open(flash, Identity::of(1, 2), ResetCause::PowerOn);
     let mut bench = Bench::new(&past);
     bench.run(0..3001, 1.2, true);
     assert_eq!(bench.states(), [State::Learning; 2]);

@@ -2,6 +2,7 @@
 
 use super::monitor::SINGLE;
 use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
+use files::spindles::SpindleFile;
 use host_tests::cases::B7005C;
 use laws::flash::FailingFlash;
 use spindle_firmware::flash;
@@ -19,6 +20,8 @@ use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
 use spindle_monitor::{Judgement, Life, Marks, Monitor, Order, Readings};
+use std::fs::read_to_string;
+use std::path::Path;
 
 static SETTINGS: MonitorSettings = {
     let mut settings = MonitorSettings::new(&B7005C, 16);
@@ -26,7 +29,7 @@ static SETTINGS: MonitorSettings = {
     settings
 };
 /// Worked out by the compiler, as a firmware has it.
-const IDENTITY: Identity = Identity::of(7005);
+const IDENTITY: Identity = Identity::of(7005, 25);
 
 /// As an STM32F405 has it, with smaller sectors.
 type Words = FailingFlash<4, 4096>;
@@ -272,7 +275,10 @@ fn a_board_that_is_warned_of_the_power_cut_loses_nothing() {
 #[test]
 fn another_spindle_begins_anew_and_the_starts_go_on() {
     use Recovery::{OtherSpindle, Recovered};
-    let cases = [(IDENTITY, Recovered), (Identity::of(7014), OtherSpindle)];
+    let cases = [
+        (IDENTITY, Recovered),
+        (Identity::of(7014, 25), OtherSpindle),
+    ];
     let (flash, kept) = used(Words::new(2));
     for (i, (identity, expected)) in cases.into_iter().enumerate() {
         let board = Board::start_as(flash.clone(), identity);
@@ -634,45 +640,159 @@ fn without_a_memory_the_monitor_says_so() {
     );
 }
 
+/// Errors are rounded to 0.001 %, and stop at 65.5 %.
 #[test]
 fn references_of_the_probes_are_kept_with_the_spindle() {
     let mut board = Board::start(Words::new(2));
     assert_eq!(board.found.references, References::default());
+    assert_eq!(board.store.report().references, Recovery::Blank);
     let ratio = |value, error| Some(Ratio { value, error });
-    let mut referred = References {
-        probes: 7,
-        ratios: [ratio(1.02, 0.0123), None, ratio(0.98, 0.9), None],
-    };
     board.stand(1);
     let before = board.records().0;
-    board.references = referred;
+    board.references = [ratio(1.02, 0.0123), None, ratio(0.98, 0.9), None];
     board.stand(1);
     board.stand(1);
     assert_eq!(board.records().0, before + 1);
-    let flash = board.off();
-    // Errors are rounded to 0.001 %, and stop at 65.5 %.
-    referred.ratios[2] = ratio(0.98, 0.65535);
-    let board = Board::start(flash);
-    for (found, kept) in board
-        .found
-        .references
-        .ratios
-        .into_iter()
-        .zip(referred.ratios)
-    {
+    let board = Board::start(board.off());
+    let rounded = [ratio(1.02, 0.0123), None, ratio(0.98, 0.65535), None];
+    for (found, kept) in board.found.references.into_iter().zip(rounded) {
         assert_eq!(found.map(|one| one.value), kept.map(|one| one.value));
         let [found, kept] = [found, kept].map(|one| one.map_or(0.0, |one| one.error));
         assert!((found - kept).abs() < 2e-7, "{found} {kept}");
     }
-    assert_eq!(board.found.references.probes, 7);
     // Errors do not grow from start to start.
     let kept = board.found.references;
     let mut board = board;
     board.stand(1);
     let board = Board::start(board.off());
     assert_eq!(board.found.references, kept);
-    let other = Board::start_as(board.off(), Identity::of(1));
-    assert_eq!(other.found.references, References::default());
+    assert_eq!(board.store.report().references, Recovery::Recovered);
+}
+
+/// Identity of the shipped spindle, with words of its file in the place of others, or behind it.
+fn shipped(changes: &[(&str, &str)]) -> Identity {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/firmware");
+    let mut text = read_to_string(folder.join("spindle.toml")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = match *from {
+            "" => text + to,
+            _ => text.replacen(from, to, 1),
+        };
+    }
+    let file = SpindleFile::parse("spindle.toml", &text, &folder).unwrap();
+    Identity::of(file.bearings_checksum(), file.displacements_checksum())
+}
+
+/// As firmware keeps its life that is built anew: these numbers change with the shipped spindle alone.
+#[test]
+fn the_shipped_spindle_has_this_identity() {
+    let identity = Identity::of(0xf9a2_cded, 0x497e_093e);
+    assert_eq!(shipped(&[]), identity);
+    assert_eq!(spindle_firmware::spindle::IDENTITY, identity);
+}
+
+#[test]
+fn another_support_keeps_the_life_and_drops_the_references_and_another_design_drops_both() {
+    use Recovery::{OtherSpindle, Recovered};
+    const BEARING: &str = "bearing = \"../../host_tests/bearings/b7005c.toml\"";
+    const DESIGN: &str = "design = { name = \"of the study\", balls = 16, ball_diameter_mm = 6.35, pitch_diameter_mm = 36.0, \
+                          inner_groove_factor = 0.515, outer_groove_factor = 0.525, contact_angle_deg = 15, \
+                          inner_shoulder_deg = 48, outer_shoulder_deg = 47.5, bore_mm = 25 }";
+    let steeper = DESIGN.replace("_deg = 15", "_deg = 15.1");
+    let lower = DESIGN.replace("_deg = 48", "_deg = 46");
+    let probe = "\n[[probe]]\nname = \"nose\"\nposition_mm = -10\nangle_deg = 90\n";
+    let accurate = format!("{probe}accuracy_um = 0.1\n");
+    let aside = probe.replace("-10", "-11");
+    let with_probe = shipped(&[("", probe)]);
+    let mut board = Board::start_as(Words::new(2), with_probe);
+    board.turn(130);
+    board.references[0] = Some(Ratio {
+        value: 1.02,
+        error: 0.01,
+    });
+    board.raise(Alarm::Overload);
+    board.stand(20);
+    let (kept, references, flash) = (board.now(), board.references, board.off());
+    assert!(kept.0.0 > 0);
+    let both = [Recovered; 2];
+    let life = [Recovered, OtherSpindle];
+    let neither = [OtherSpindle; 2];
+    type Changes<'c> = &'c [(&'c str, &'c str)];
+    let cases: [(Changes<'_>, [Recovery; 2]); 25] = [
+        (&[], both),
+        (&[("name = \"two B7005C on", "name = \"a pair on")], both),
+        (&[("# The housing.", "#")], both),
+        (&[("preload_n = 250", "preload_n = 2.5e2")], both),
+        (&[("from_mm = 0,", "from_mm = -0.0,")], both),
+        (&[("arrangement = \"back-to-back\"", "")], both),
+        (&[("[heat]", "[heat]\nring_per_k = 11.5e-6")], both),
+        (&[("fx_n = [-1700, 1700]", "fx_n = [-1500, 1500]")], both),
+        (
+            &[("[nose]\nposition_mm = 0", "[nose]\nposition_mm = -60")],
+            both,
+        ),
+        (&[(BEARING, DESIGN)], both),
+        (&[(probe, &accurate)], both),
+        (&[("axial_n_per_um = 400", "axial_n_per_um = 380")], life),
+        (&[("radial_n_per_um = 300", "radial_n_per_um = 310")], life),
+        (&[("preload_n = 250", "preload_n = 240")], life),
+        (&[("preload_n = 250", "mounted_preload_n = 250")], life),
+        (&[("position_mm = 130", "position_mm = 131")], life),
+        (&[("outer_mm = 25", "outer_mm = 26")], life),
+        (&[("grow_with_speed = true", "")], life),
+        (&[("reference_c = 20", "reference_c = 22")], life),
+        (&[("[heat]", "[heat]\nring_per_k = 12e-6")], life),
+        (
+            &[("facing = \"+x\"", "facing = \"+x\"\nradial_growth_um = 1")],
+            life,
+        ),
+        (&[(probe, &aside)], life),
+        (&[(BEARING, &steeper)], neither),
+        (&[(BEARING, &lower)], neither),
+        (&[(BEARING, "bearing = \"gmn:S6005C\"")], neither),
+    ];
+    for (changes, expected) in cases {
+        let identity = shipped(&[&[("", probe)], changes].concat());
+        let board = Board::start_as(flash.clone(), identity);
+        let report = board.store.report();
+        assert_eq!(
+            [report.recovery, report.references],
+            expected,
+            "{changes:?}"
+        );
+        let life = if expected[0] == Recovered {
+            kept
+        } else {
+            NOTHING
+        };
+        assert_eq!(board.found(), life);
+        let found = board.found.references;
+        assert_eq!(found == references, expected[1] == Recovered);
+        assert_eq!(found == References::default(), expected[1] != Recovered);
+        assert_eq!(board.found.start.boots, 2);
+    }
+    // Facings, and the place of loads.
+    let turned = [
+        ("\"back-to-back\"", "\"face-to-face\""),
+        ("\"+x\"", "\"-X\""),
+        ("\"-x\"", "\"+x\""),
+        ("\"-X\"", "\"-x\""),
+    ];
+    let facing = |to| Board::start_as(flash.clone(), to).recovery();
+    assert_eq!(
+        facing(shipped(&[&[("", probe)], &turned[..]].concat())),
+        OtherSpindle
+    );
+    let loaded = shipped(&[("", probe), ("", "[load]\nposition_mm = -60\n")]);
+    let report = Board::start_as(flash.clone(), loaded).store.report();
+    assert_eq!([report.recovery, report.references], life);
+    let belt = shipped(&[
+        ("", probe),
+        ("", "[[constant_load]]\nposition_mm = 150\nfy_n = -300\n"),
+    ]);
+    let report = Board::start_as(flash, belt).store.report();
+    assert_eq!([report.recovery, report.references], life);
 }
 
 // --- the boards' flash -------------------------------------------------------------------------

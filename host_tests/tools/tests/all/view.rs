@@ -467,6 +467,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         most_cycles: 120_345,
         retention: RetentionReport {
             recovery: Recovery::OtherSpindle,
+            references: Recovery::Recovered,
             damaged: 1,
             written: 12,
             failed: 2,
@@ -487,6 +488,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         "most_cycles 120345",
         "marked_samples 41",
         "retention.recovery other-spindle",
+        "retention.references recovered",
         "retention.written 12",
         "2 frames in",
         "4 lost, 1 damaged",
