@@ -72,7 +72,8 @@ pub fn start() -> Option<Started<Stm32f405>> {
     let is_emulated = p.DBGMCU.idcode().read().bits() == 0;
     let lock_step = strap::is_grounded(&port, clock.core_hz)
         && (is_emulated || strap::is_wired(&port, clock.core_hz));
-    let receiver = serial::start((p.USART1, p.USART2), &p.RCC, &p.GPIOA, &clock, lock_step)?;
+    let ports = (p.USART1, p.USART2, p.DMA2);
+    let receiver = serial::start(ports, &p.RCC, &p.GPIOA, &clock, lock_step);
     if SET_BROWN_OUT && report.brown_out.is_some_and(|of| of < brown_out::HIGHEST) {
         if brown_out::set(&p.FLASH) {
             defmt::warn!("brown-out level set to the highest, from the next power-on on");

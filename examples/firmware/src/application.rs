@@ -4,7 +4,7 @@ use crate::beat::{self, Cycles};
 use crate::board::{Board, Started};
 use crate::chain::{Chain, Sensors};
 use crate::dog::{Dog, feed_at_start};
-use crate::flash::{Cells, Flash};
+use crate::flash::{Cells, Flash, Pace};
 use crate::self_check::SelfCheck;
 use crate::sensors::Measured;
 use crate::spindle::{BRIDGES, IDENTITY, PERIOD_US};
@@ -51,19 +51,10 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
 /// Keeps life, alarms and references over a power cycle, where the board has a memory for them.
 struct Keeper<C> {
     store: Option<Store<Flash<C>>>,
-    /// Cycles of the core that a step may take.
-    step: u32,
-    /// Ticks since there was time for one.
-    waited: u16,
+    pace: Pace,
     /// Failures that the log knows of.
     told: u32,
 }
-
-/// Time for a step, us: to write a unit takes 100 us at worst, to make a record and its checksum some thousand
-/// instructions.
-const STEP_US: u32 = 300;
-/// A core that is always late takes the time for a step after so many ticks.
-const PATIENCE: u16 = 1000;
 
 impl<C: Cells> Keeper<C> {
     /// Reads what was kept. May take some seconds, if there is something to erase.
@@ -86,11 +77,9 @@ impl<C: Cells> Keeper<C> {
                 (Some(store), past)
             }
         };
-        let step = core_hz / 1_000_000 * STEP_US;
         let mut keeper = Self {
             store,
-            step,
-            waited: 0,
+            pace: Pace::new(core_hz),
             told: 0,
         };
         keeper.tell();
@@ -101,8 +90,7 @@ impl<C: Cells> Keeper<C> {
     fn look<S: Sensors>(&mut self, chain: &mut Chain<S>) {
         if let Some(store) = &mut self.store {
             chain.retain(store);
-            self.waited = self.waited.saturating_add(1);
-            if self.waited >= PATIENCE {
+            if self.pace.is_overdue() {
                 self.step();
             }
         }
@@ -110,11 +98,10 @@ impl<C: Cells> Keeper<C> {
 
     /// Between ticks, so many cycles before the next one. Whether there was something to do.
     fn step_within(&mut self, left: u32) -> bool {
-        left > self.step && self.step()
+        self.pace.has_time(left) && self.step()
     }
 
     fn step(&mut self) -> bool {
-        self.waited = 0;
         let stepped = self.store.as_mut().is_some_and(keep);
         if stepped {
             self.tell();
@@ -202,7 +189,7 @@ fn by_the_timer<B: Board, S: Sensors>(
         checks.ticked();
         if board.receiver.lost() != lost {
             lost = board.receiver.lost();
-            defmt::warn!("receiver lost {=u32} bytes", lost);
+            defmt::warn!("receiver lost {=u32} bytes at least", lost);
         }
     }
 }

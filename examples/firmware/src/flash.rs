@@ -2,6 +2,7 @@
 //!
 //! Without any hardware, so that it is tested on the host; the registers are in the boards' `cells.rs`.
 
+use crate::spindle::PERIOD_US;
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };
@@ -29,6 +30,49 @@ pub trait Cells {
 
 /// The sectors as a whole.
 pub struct Flash<C>(pub C);
+
+/// Time for a step of writing, us: a unit takes 100 us at worst, a new record and its checksum some thousand instructions.
+const STEP_US: u32 = 300;
+/// Time after which a core that is always late takes the time for a step, us. The 40 words of a record's two copies on an
+/// STM32F405 take 0.4 s then: within the second that it may take, of which half goes to the look at new data.
+const PATIENCE_US: u32 = 10_000;
+
+/// Times at which the flash is written: between ticks, where there is time.
+pub struct Pace {
+    /// Cycles of the core that a step may take.
+    step: u32,
+    /// Time since there was time for a step, us.
+    waited_us: u32,
+}
+
+impl Pace {
+    /// At the start, on a core of this frequency.
+    pub const fn new(core_hz: u32) -> Self {
+        Self {
+            step: core_hz / 1_000_000 * STEP_US,
+            waited_us: 0,
+        }
+    }
+
+    /// Whether so many cycles before the next tick there is time for a step, which is then made.
+    pub const fn has_time(&mut self, left: u32) -> bool {
+        let has = left > self.step;
+        if has {
+            self.waited_us = 0;
+        }
+        has
+    }
+
+    /// A tick is done. Whether a step is to be made, though there was no time for one for long.
+    pub const fn is_overdue(&mut self) -> bool {
+        self.waited_us = self.waited_us.saturating_add(PERIOD_US);
+        let is = self.waited_us >= PATIENCE_US;
+        if is {
+            self.waited_us = 0;
+        }
+        is
+    }
+}
 
 impl<C> ErrorType for Flash<C> {
     type Error = NorFlashErrorKind;

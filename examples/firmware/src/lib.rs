@@ -23,7 +23,6 @@ pub mod flash;
 pub mod log;
 #[cfg(feature = "program")]
 mod memory;
-#[cfg(feature = "program")]
 pub mod receiver;
 #[cfg(feature = "rtt")]
 pub mod rtt;

@@ -2,7 +2,7 @@
 //!
 //! Nothing is logged before [`start`].
 //!
-//! A log that held interrupts back while it waits for the port would lose received bytes. This one
+//! A log that held interrupts back while it waits for the port would lose bytes that an interrupt handler receives. This one
 //! leaves them on, and therefore belongs to the main program: interrupt handlers must not log.
 
 #![allow(

@@ -1,70 +1,119 @@
-//! Received bytes on their way from the interrupt handler to the main program.
+//! Received bytes on their way from the hardware to the main program: a ring that a DMA controller, or an interrupt
+//! handler, fills.
+//!
+//! The hardware writes place after place, round and round, and waits for nobody. The main program takes bytes behind it,
+//! and marks their places as empty. The place before the next one to take is therefore empty, until as many bytes wait as
+//! there are places. Then it is full, however often the hardware has gone round: no overrun goes unseen.
 
-use core::cell::RefCell;
-use core::sync::atomic::{AtomicU32, Ordering};
-use critical_section::Mutex;
-use heapless::spsc::{Consumer, Producer, Queue};
+use crate::spindle::PERIOD_US;
+use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
 
-/// Bytes that wait for the monitor: some 50 records, and far more than come in during a tick.
-const QUEUE_LENGTH: usize = 2048;
+/// Baud rate of the ports, 8N1: 10.9 us a byte.
+pub const BAUD: u32 = 921_600;
 
-/// The queue's writing end, on its way to the interrupt handler.
-static HANDOVER: Mutex<RefCell<Option<Producer<'static, u8>>>> = Mutex::new(RefCell::new(None));
+/// Places of the ring: the bytes of two ticks, one of which is late by its period, and of 2 ms more, in which a change of
+/// each alarm goes into the log. A power of two, for a cheap remainder.
+pub const PLACES: usize = {
+    let us = 2 * PERIOD_US as u64 + 2000;
+    (us * BAUD as u64 / 10 / 1_000_000).next_power_of_two() as usize
+};
 
-/// Bytes that the hardware or the queue had no room for.
-static LOST: AtomicU32 = AtomicU32::new(0);
+/// Content of an empty place. The data register of a receiver has nine bits.
+const EMPTY: u16 = u16::MAX;
 
-/// The receiving side of a port.
-pub struct Receiver {
-    queue: Consumer<'static, u8>,
+/// The ring, in memory that the hardware reaches.
+pub struct Ring {
+    places: [AtomicU16; PLACES],
+    /// Bytes that the port's hardware has lost by itself.
+    overruns: AtomicU32,
 }
 
-impl Receiver {
-    /// Sets up the queue; `None` if it was set up before.
-    pub fn new() -> Option<Self> {
-        let queue = cortex_m::singleton!(: Queue<u8, QUEUE_LENGTH> = Queue::new())?;
-        let (producer, consumer) = queue.split();
-        critical_section::with(|cs| HANDOVER.borrow_ref_mut(cs).replace(producer));
-        Some(Self { queue: consumer })
+impl Ring {
+    /// A ring of zeros, so that it takes no place in flash: [`Receiver::new`] empties it.
+    pub const fn zeroed() -> Self {
+        Self {
+            places: [const { AtomicU16::new(0) }; PLACES],
+            overruns: AtomicU32::new(0),
+        }
     }
 
-    /// The next byte, if there is one.
+    /// Address of the first place.
+    pub const fn address(&self) -> *const u16 {
+        (&raw const self.places).cast()
+    }
+
+    /// Writes a byte to a place, in the hardware's stead.
+    pub fn put(&self, at: usize, byte: u8) {
+        self.place(at).store(byte.into(), Ordering::Release);
+    }
+
+    /// Counts a byte that the port's hardware has lost: it came before the one before it was fetched.
+    pub fn note_overrun(&self) {
+        self.overruns.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn place(&self, at: usize) -> &AtomicU16 {
+        &self.places[at % PLACES]
+    }
+}
+
+/// The main program's side of a ring.
+pub struct Receiver<W = fn() -> usize> {
+    ring: &'static Ring,
+    /// Place that the hardware writes next.
+    writes: W,
+    /// Place that is taken next.
+    takes: usize,
+    lost: u32,
+}
+
+impl<W: Fn() -> usize> Receiver<W> {
+    /// Empties the ring, before the hardware begins to fill it from its first place on. `writes` has the place that is
+    /// written next.
+    pub fn new(ring: &'static Ring, writes: W) -> Self {
+        let receiver = Self {
+            ring,
+            writes,
+            takes: 0,
+            lost: 0,
+        };
+        receiver.empty(0, PLACES);
+        receiver
+    }
+
+    /// The next byte, if there is one. Where bytes were overwritten, all of the ring is dropped.
     pub fn byte(&mut self) -> Option<u8> {
-        self.queue.dequeue()
+        let before = self.ring.place(self.takes.wrapping_sub(1));
+        if before.load(Ordering::Acquire) != EMPTY {
+            self.start_again();
+        }
+        let place = self.ring.place(self.takes);
+        let byte = u8::try_from(place.load(Ordering::Acquire)).ok()?;
+        place.store(EMPTY, Ordering::Release);
+        self.takes = self.takes.wrapping_add(1);
+        Some(byte)
     }
 
-    /// Bytes lost since the start, because they came faster than they were taken.
+    /// Bytes lost since the start, at least: by the ring, which was not emptied in time, and by the port.
     pub fn lost(&self) -> u32 {
-        LOST.load(Ordering::Relaxed)
-    }
-}
-
-/// The interrupt handler's side, which it keeps between interrupts.
-#[derive(Default)]
-pub struct Sender(Option<Producer<'static, u8>>);
-
-impl Sender {
-    /// One that fetches its end of the queue at the first byte.
-    pub const fn new() -> Self {
-        Self(None)
+        let overruns = self.ring.overruns.load(Ordering::Relaxed);
+        self.lost.saturating_add(overruns)
     }
 
-    /// Queues a received byte, if there is one, and counts lost bytes: this one for want of room, and
-    /// another one if the hardware was overrun.
-    pub fn push(&mut self, byte: Option<u8>, overrun: bool) {
-        if self.0.is_none() {
-            self.0 = critical_section::with(|cs| HANDOVER.borrow_ref_mut(cs).take());
-        }
-        let mut lost = u32::from(overrun);
-        if let Some(byte) = byte {
-            let kept = self
-                .0
-                .as_mut()
-                .is_some_and(|queue| queue.enqueue(byte).is_ok());
-            lost += u32::from(!kept);
-        }
-        if lost > 0 {
-            LOST.fetch_add(lost, Ordering::Relaxed);
+    /// Drops all of the ring, and goes on where the hardware is.
+    fn start_again(&mut self) {
+        self.lost = self.lost.saturating_add(PLACES as u32);
+        let from = (self.writes)();
+        self.empty(from, PLACES);
+        // Bytes may have come meanwhile, before their places were emptied and behind that.
+        self.takes = (self.writes)();
+        self.empty(from, self.takes.wrapping_sub(from) % PLACES);
+    }
+
+    fn empty(&self, from: usize, places: usize) {
+        for i in 0..places {
+            let place = self.ring.place(from.wrapping_add(i));
+            place.store(EMPTY, Ordering::Release);
         }
     }
 }

@@ -71,7 +71,7 @@ pub fn start() -> Option<Started<Stm32h743>> {
     let port = pins::PortC(p.GPIOC);
     let lock_step =
         strap::is_grounded(&port, clock.core_hz) && strap::is_wired(&port, clock.core_hz);
-    let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step)?;
+    let receiver = serial::start((p.USART3, p.USART2), &p.RCC, &p.GPIOD, &clock, lock_step);
     if SET_BROWN_OUT && report.brown_out.is_some_and(|of| of < brown_out::HIGHEST) {
         if brown_out::set(&p.FLASH) {
             defmt::warn!("brown-out level set to the highest, from the next power-on on");

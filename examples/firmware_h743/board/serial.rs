@@ -1,30 +1,37 @@
-//! Two serial ports, as on the other board. USART3 is the monitor's: received bytes into a queue by
+//! Two serial ports, as on the other board. USART3 is the monitor's: received bytes into a ring by
 //! interrupt, sent bytes one at a time. USART2 sends the log.
+//!
+//! The handler is in the first bank of the flash, which the core reads on while the second one, with the kept data, is
+//! written or erased. So nothing keeps it from a byte, and no DMA has to be agreed upon with the data cache.
 
 #![allow(unsafe_code, reason = "registers shared with an interrupt handler")]
 
 use super::clock::Clock;
 use super::{pac, within};
+use core::sync::atomic::{AtomicUsize, Ordering};
 use pac::{GPIOD, Interrupt, NVIC, RCC, USART2, USART3, interrupt};
 use spindle_firmware::log;
-use spindle_firmware::receiver::{Receiver, Sender};
+use spindle_firmware::receiver::{PLACES, Receiver, Ring};
 
 /// Baud rate of both, 8N1. From 100 MHz and from 64 MHz alike it is met within 0.1 %.
-pub const BAUD: u32 = 921_600;
+pub use spindle_firmware::receiver::BAUD;
+
+/// Received bytes, and the place that is written next.
+static RING: Ring = Ring::zeroed();
+static WRITES: AtomicUsize = AtomicUsize::new(0);
 
 /// Looks at the transmitter before a byte is given up: many times the time of a byte on the wire.
 const PATIENCE: u32 = 100_000;
 
-/// Starts the ports on PD8, PD9 and PD5; `None` if they were started before. In lock-step there is no
-/// interrupt: bytes are fetched by [`received`].
+/// Starts the ports on PD8, PD9 and PD5. In lock-step there is no interrupt: bytes are fetched by [`received`].
 pub fn start(
-    ports: (USART3, USART2),
+    (usart, of_log): (USART3, USART2),
     rcc: &RCC,
     gpiod: &GPIOD,
     clock: &Clock,
     lock_step: bool,
-) -> Option<Receiver> {
-    let receiver = Receiver::new()?;
+) -> Receiver {
+    let receiver = Receiver::new(&RING, (|| WRITES.load(Ordering::Relaxed)) as fn() -> usize);
     rcc.ahb4enr().modify(|_, w| w.gpioden().enabled());
     rcc.apb1lenr()
         .modify(|_, w| w.usart3en().enabled().usart2en().enabled());
@@ -40,7 +47,6 @@ pub fn start(
     });
 
     let divisor = (clock.usart_hz + BAUD / 2) / BAUD;
-    let (usart, of_log) = ports;
     // SAFETY: with sixteenfold oversampling the register is the divisor; at 100 MHz it is 217.
     usart.brr().write(|w| unsafe { w.bits(divisor) });
     // SAFETY: likewise.
@@ -51,11 +57,11 @@ pub fn start(
         w.rxneie().bit(!lock_step)
     });
     if !lock_step {
-        // SAFETY: the handler shares nothing with the main program but the queue and an atomic.
+        // SAFETY: the handler shares nothing with the main program but atomics.
         unsafe { NVIC::unmask(Interrupt::USART3) };
     }
     log::start(log_byte, flush_log);
-    Some(receiver)
+    receiver
 }
 
 /// The port's registers, for the two who share them.
@@ -106,18 +112,17 @@ fn flush_log() {
 
 #[interrupt]
 fn USART3() {
-    static mut SENDER: Sender = Sender::new();
-
     let usart = registers();
     let status = usart.isr().read();
-    let byte = status
-        .rxne()
-        .bit_is_set()
-        .then(|| usart.rdr().read().rdr().bits() as u8);
-    let overrun = status.ore().bit_is_set();
-    if overrun {
+    if status.rxne().bit_is_set() {
+        // No other writer, and no read-modify-write that could be lost.
+        let at = WRITES.load(Ordering::Relaxed);
+        RING.put(at, usart.rdr().read().rdr().bits() as u8);
+        WRITES.store(at.wrapping_add(1) % PLACES, Ordering::Relaxed);
+    }
+    if status.ore().bit_is_set() {
         // Until it is cleared, it calls this handler again and again.
         usart.icr().write(|w| w.orecf().clear());
+        RING.note_overrun();
     }
-    SENDER.push(byte, overrun);
 }

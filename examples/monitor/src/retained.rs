@@ -52,8 +52,8 @@ pub const LIFE_US: u64 = 120_000_000;
 const PART: u64 = 64;
 /// Shortest time between two records for alarms, us.
 const ALARMS_US: u64 = 10_000_000;
-/// Time between looks at new data, us.
-const LOOK_US: u64 = 1_000_000;
+/// Time between looks at new data, us: half of the second within which a record is written.
+const LOOK_US: u64 = 500_000;
 
 /// Recovery of the kept data at the start of the monitor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -330,7 +330,7 @@ impl<F: NorFlash> Store<F> {
     }
 
     /// Sees new data to be kept, as [`Monitor::retain`](crate::Monitor::retain) does, with a monitor of
-    /// one's own. Looks once a second, and else does nothing.
+    /// one's own. Looks twice a second, and else does nothing.
     pub fn look(
         &mut self,
         time_us: u64,

@@ -67,7 +67,9 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
             Some(Table::SpindleCad) => Ok(vec![of_spindle_cad(case)?]),
             Some(Table::Fag) => of_fag(run, case),
-            Some(Table::GmnS60 | Table::Ntn | Table::Snfa | Table::Nsk) | None => of_bearing(run, case),
+            Some(Table::GmnS60 | Table::Ntn | Table::Snfa | Table::Nsk) | None => {
+                of_bearing(run, case)
+            }
         })
         .collect();
     let mut solved = solved?.concat();

@@ -32,6 +32,7 @@ mod monitor_keys;
 mod motions;
 mod net;
 mod precision;
+mod receiver;
 mod recordings;
 mod refusals;
 mod response;
