@@ -12,7 +12,8 @@
 //! - **Repeats.** A host that hears no answer sends the very request again. An order that is carried out twice does what it
 //!   does once.
 //! - **State of the spindle.** An acknowledgement says in which start, and how often, the alarm had been raised when somebody
-//!   saw it. If it was raised again since, or the board has started again, the acknowledgement is refused. A bearing is replaced at a standstill, while an input of the board says that
+//!   saw it. If it was raised again since, or the board has started again, the acknowledgement is refused. A board without a
+//!   memory does not tell its starts apart. A bearing is replaced at a standstill, while an input of the board says that
 //!   somebody is at the machine. While it does, somebody may say that the shaft stands, too, or that the probes' reference is
 //!   that of now.
 //! - **Share.** One order is carried out in [`ORDER_EVERY`] ticks, and only if the answer before it is gone: orders cannot
