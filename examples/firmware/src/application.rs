@@ -2,16 +2,19 @@
 
 use crate::beat::{self, Cycles};
 use crate::board::{Board, Started};
-use crate::chain::{Chain, Sensors};
+use crate::chain::{self, Chain, Sensors, SpindleMonitor};
 use crate::dog::{Dog, feed_at_start};
 use crate::flash::{Cells, Flash, Pace};
-use crate::self_check::SelfCheck;
-use crate::sensors::Measured;
+use crate::self_check::{KnownSolver, SelfCheck};
 use crate::spindle::{BRIDGES, IDENTITY, PERIOD_US};
+use core::mem::MaybeUninit;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::retained::WriteError;
 use spindle_monitor::tick::{Watchdog, Widened};
 use spindle_monitor::{Outcome, Past, Store};
+
+/// A board's chain.
+type BoardChain<S> = Chain<&'static mut SpindleMonitor, S>;
 
 /// Takes the board, and never gives it back.
 pub fn run<B: Board>(mut board: Started<B>) -> ! {
@@ -34,17 +37,19 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
     }
     feed_at_start::<B::Watchdogs>();
     let (keeper, past) = Keeper::start(board.cells.take(), board.reset, board.core_hz);
+    let Some(place) = cortex_m::singleton!(: MaybeUninit<SpindleMonitor> = MaybeUninit::uninit())
+    else {
+        unreachable!("main runs once, and makes one monitor");
+    };
+    let monitor = chain::make(place, &past, B::MONITOR);
     // The compiler leaves out what is not chosen.
     if BRIDGES
         && !board.lock_step
         && let Some(sensors) = board.sensors.take()
     {
-        let chain =
-            cortex_m::singleton!(: Chain<Measured> = Chain::with(sensors, &past, B::MONITOR));
-        with(chain, board, keeper)
+        with(&mut Chain::with(sensors, monitor), board, keeper)
     } else {
-        let chain = cortex_m::singleton!(: Chain = Chain::new(&past, B::MONITOR));
-        with(chain, board, keeper)
+        with(&mut Chain::new(monitor), board, keeper)
     }
 }
 
@@ -87,7 +92,7 @@ impl<C: Cells> Keeper<C> {
     }
 
     /// After a tick.
-    fn look<S: Sensors>(&mut self, chain: &mut Chain<S>) {
+    fn look<S: Sensors>(&mut self, chain: &mut BoardChain<S>) {
         if let Some(store) = &mut self.store {
             chain.retain(store);
             if self.pace.is_overdue() {
@@ -124,23 +129,25 @@ impl<C: Cells> Keeper<C> {
 
 /// Runs a chain.
 fn with<B: Board, S: Sensors>(
-    chain: Option<&'static mut Chain<S>>,
+    chain: &mut BoardChain<S>,
     mut board: Started<B>,
     keeper: Keeper<B::Cells>,
 ) -> ! {
-    let Some(chain) = chain else {
-        unreachable!("main runs once, and makes one monitor");
-    };
     feed_at_start::<B::Watchdogs>();
     if let Err(status) = chain.prepare() {
         defmt::warn!("no equilibrium to start from: {=str}", status.name());
     }
     let (lock_step, core_hz) = (board.lock_step, board.core_hz);
-    let started =
-        SelfCheck::start::<B::Watchdogs>(board.report, lock_step, core_hz, &mut board.cycles);
-    let Some(checks) = cortex_m::singleton!(: SelfCheck = started) else {
+    let Some(solver) = cortex_m::singleton!(: KnownSolver = KnownSolver::of()) else {
         unreachable!("main runs once, and checks one board");
     };
+    let checks = &mut SelfCheck::start::<B::Watchdogs>(
+        board.report,
+        solver,
+        lock_step,
+        core_hz,
+        &mut board.cycles,
+    );
     chain.set_board(checks.report());
     feed_at_start::<B::Watchdogs>();
     if lock_step {
@@ -152,10 +159,10 @@ fn with<B: Board, S: Sensors>(
 
 /// Ticks by the timer. Between them, bytes come in and go out.
 fn by_the_timer<B: Board, S: Sensors>(
-    chain: &mut Chain<S>,
+    chain: &mut BoardChain<S>,
     mut board: Started<B>,
     mut keeper: Keeper<B::Cells>,
-    checks: &mut SelfCheck,
+    checks: &mut SelfCheck<'_>,
 ) -> ! {
     beat::start_timer(board.timer, board.core_hz, PERIOD_US);
     let mut dog = Dog::strict(board.watchdogs);
@@ -197,10 +204,10 @@ fn by_the_timer<B: Board, S: Sensors>(
 /// Ticks as they are asked for: the monitor's work is then a matter of the bytes alone, and can be held
 /// against another machine.
 fn in_lock_step<B: Board, S: Sensors>(
-    chain: &mut Chain<S>,
+    chain: &mut BoardChain<S>,
     mut board: Started<B>,
     mut keeper: Keeper<B::Cells>,
-    checks: &mut SelfCheck,
+    checks: &mut SelfCheck<'_>,
 ) -> ! {
     let mut dog = Dog::patient(board.watchdogs);
     let mut time_us = 0_u64;
@@ -239,7 +246,7 @@ fn tell(outcome: &Outcome) {
 }
 
 /// A step of the self-checks between ticks, if there is time for one.
-fn check<S: Sensors>(checks: &mut SelfCheck, left: u32, chain: &mut Chain<S>) {
+fn check<S: Sensors>(checks: &mut SelfCheck<'_>, left: u32, chain: &mut BoardChain<S>) {
     let before = checks.report();
     if check_step(checks, left) {
         checks.tell(before);
@@ -261,18 +268,18 @@ fn keep<C: Cells>(store: &mut Store<Flash<C>>) -> bool {
 }
 
 #[inline(never)]
-fn check_step(checks: &mut SelfCheck, left: u32) -> bool {
+fn check_step(checks: &mut SelfCheck<'_>, left: u32) -> bool {
     checks.step_within(left)
 }
 
 #[inline(never)]
-fn take<S: Sensors>(chain: &mut Chain<S>, byte: u8, service: bool) -> Option<u16> {
+fn take<S: Sensors>(chain: &mut BoardChain<S>, byte: u8, service: bool) -> Option<u16> {
     chain.push(byte, service)
 }
 
 #[inline(never)]
 fn tick<S: Sensors>(
-    chain: &mut Chain<S>,
+    chain: &mut BoardChain<S>,
     time_us: u64,
     cycles: &mut Cycles,
     watchdog: &mut impl Watchdog,

@@ -6,6 +6,8 @@
 
 use crate::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, PROBES, RESPONSE, ROWS, SPINDLE};
 use core::array::from_fn;
+use core::mem::MaybeUninit;
+use core::ops::DerefMut;
 use spindle_bearing::Status;
 use spindle_monitor::command::{Command, PortReader, Received};
 use spindle_monitor::framing::FrameError;
@@ -58,9 +60,28 @@ impl Sensors for FramedLoads {
     }
 }
 
-/// The monitor with its sensors.
-pub struct Chain<S = FramedLoads> {
-    monitor: Monitor<ROWS, BALLS, FRAMES, FREEDOMS, JOINTS, PROBES>,
+/// The monitor of the spindle: by far the most of what a board keeps in mind.
+pub type SpindleMonitor = Monitor<ROWS, BALLS, FRAMES, FREEDOMS, JOINTS, PROBES>;
+
+/// The monitor at its beginning, for a host; a board's stack has no room to return it.
+pub fn monitor(past: &Past, settings: &'static MonitorSettings<ROWS>) -> SpindleMonitor {
+    Monitor::with_probes(&SPINDLE, settings, &RESPONSE).with_past(past)
+}
+
+/// Makes the monitor in its place, with the data that was kept over a power cycle.
+pub fn make<'m>(
+    place: &'m mut MaybeUninit<SpindleMonitor>,
+    past: &Past,
+    settings: &'static MonitorSettings<ROWS>,
+) -> &'m mut SpindleMonitor {
+    let monitor = Monitor::make(place, &SPINDLE, settings, &RESPONSE);
+    monitor.set_past(past);
+    monitor
+}
+
+/// The monitor with its sensors: a borrowed one on a board, a boxed one on a host.
+pub struct Chain<M, S = FramedLoads> {
+    monitor: M,
     sensors: S,
     port: PortReader,
     /// The newest temperatures of the port, until they are taken.
@@ -68,10 +89,10 @@ pub struct Chain<S = FramedLoads> {
     time_us: u64,
 }
 
-impl Chain {
-    /// At the beginning, with records of the port.
-    pub fn new(past: &Past, settings: &'static MonitorSettings<ROWS>) -> Self {
-        Self::with(FramedLoads::new(), past, settings)
+impl<M: DerefMut<Target = SpindleMonitor>> Chain<M> {
+    /// With records of the port.
+    pub const fn new(monitor: M) -> Self {
+        Self::with(FramedLoads::new(), monitor)
     }
 
     /// Counts of the records that came over the port.
@@ -80,11 +101,11 @@ impl Chain {
     }
 }
 
-impl<S: Sensors> Chain<S> {
-    /// At the beginning, with what was kept over a power cycle.
-    pub fn with(sensors: S, past: &Past, settings: &'static MonitorSettings<ROWS>) -> Self {
+impl<M: DerefMut<Target = SpindleMonitor>, S: Sensors> Chain<M, S> {
+    /// With these sensors.
+    pub const fn with(sensors: S, monitor: M) -> Self {
         Self {
-            monitor: Monitor::with_probes(&SPINDLE, settings, &RESPONSE).with_past(past),
+            monitor,
             sensors,
             port: PortReader::new(),
             temperatures: None,

@@ -3,6 +3,7 @@
 use crate::dog::{Watchdogs, feed_at_start};
 use crate::memory::{Stack, image, seal};
 use crate::spindle::{BALLS, FREEDOMS, JOINTS, KNOWN_LOAD, PERIOD_US, ROWS, SPINDLE};
+use spindle_bearing::{RacewayControlFree, SpindleSolver};
 use spindle_monitor::BoardReport;
 use spindle_monitor::board::Check;
 use spindle_monitor::self_check::{ImageCheck, KnownAnswer, Seal};
@@ -16,10 +17,13 @@ const BYTES: usize = 256;
 const WORDS: u32 = 64;
 const CYCLES: u32 = 5000;
 
+/// The solver of the known answer.
+pub type KnownSolver = SpindleSolver<f32, ROWS, BALLS, RacewayControlFree, FREEDOMS, JOINTS>;
+
 /// The checks, and their report.
-pub struct SelfCheck {
+pub struct SelfCheck<'m> {
     image: Option<ImageCheck>,
-    answer: KnownAnswer<ROWS, BALLS, FREEDOMS, JOINTS>,
+    answer: KnownAnswer<'m, ROWS, BALLS, FREEDOMS, JOINTS>,
     /// Checksum that the answer is to have.
     expected: Option<u32>,
     /// Cycles that the longest step of that solve took at the start, and a quarter more.
@@ -34,10 +38,11 @@ pub struct SelfCheck {
     stepped: bool,
 }
 
-impl SelfCheck {
+impl<'m> SelfCheck<'m> {
     /// Makes all checks once. `lock_step` is to give the same report as a host, which has no stack to measure.
     pub fn start<W: Watchdogs>(
         report: BoardReport,
+        solver: &'m mut KnownSolver,
         lock_step: bool,
         core_hz: u32,
         counter: &mut impl CycleCounter,
@@ -50,7 +55,7 @@ impl SelfCheck {
         };
         let mut checks = Self {
             image,
-            answer: KnownAnswer::new(&SPINDLE, KNOWN_LOAD),
+            answer: KnownAnswer::new(&SPINDLE, KNOWN_LOAD, solver),
             expected,
             answer_cycles: 0,
             stack: Stack::default(),

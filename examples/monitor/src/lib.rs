@@ -106,6 +106,7 @@ pub mod board;
 pub mod command;
 mod cost;
 pub mod framing;
+mod in_place;
 pub mod judgement;
 pub mod life;
 pub mod loads;
@@ -144,7 +145,9 @@ pub use watch::WatchSettings;
 pub use {enumset, heapless};
 
 use command::{Answer, AnswerCode, ORDER_EVERY, Request};
+use core::mem::MaybeUninit;
 use embedded_storage::nor_flash::NorFlash;
+use in_place::in_place;
 use judgement::Levels;
 use loads::FrameCounts;
 use outbox::Outbox;
@@ -266,8 +269,21 @@ impl<
         settings: &'static MonitorSettings<R>,
         probes: &'static ResponseSettings<P>,
     ) -> Self {
-        Self {
-            settings,
+        in_place::value(|place| Self::make(place, spindle, settings, probes))
+    }
+
+    /// Makes [`Monitor::with_probes`] in its place.
+    ///
+    /// For a board: its stack has no room for a monitor of many balls.
+    #[inline(never)]
+    pub fn make<'m>(
+        place: &'m mut MaybeUninit<Self>,
+        spindle: &'static Spindle<'static, f32, R, N, D, E>,
+        settings: &'static MonitorSettings<R>,
+        probes: &'static ResponseSettings<P>,
+    ) -> &'m mut Self {
+        in_place!(place, { tracker <- |place| Tracker::make(place, spindle), }, {
+            settings: settings,
             plausibility: Plausibility::new(&settings.plausibility),
             temperatures: Temperatures::new(settings.temperatures.as_ref()),
             growth: [Growth::NONE; R],
@@ -275,7 +291,6 @@ impl<
             reports: Reports::new(spindle, settings),
             watch: Watch::new(&spindle.ball_counts(), &spindle.facings()),
             probes: Probes::new(probes, &settings.alarms, settings.tick.period_us),
-            tracker: Tracker::new(spindle),
             waiting: None,
             estimate: None,
             alarms: Judgement::default(),
@@ -283,17 +298,22 @@ impl<
             requests: heapless::Deque::new(),
             counts: HealthReport::default(),
             late: false,
-        }
+        })
+    }
+
+    /// [`Monitor::set_past`] of a monitor at its beginning.
+    #[must_use]
+    pub fn with_past(mut self, past: &Past) -> Self {
+        self.set_past(past);
+        self
     }
 
     /// Goes on with the data kept over a power cycle ([`retained`]). Alarms that nobody had acknowledged are latched.
-    #[must_use]
-    pub fn with_past(mut self, past: &Past) -> Self {
+    pub fn set_past(&mut self, past: &Past) {
         self.alarms.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
         self.reports.set_past(past);
         self.probes.set_past(&past.references);
-        self
     }
 
     /// An operator wants something. A tick carries it out, unless it is out of place, and answers in the telemetry. `service`

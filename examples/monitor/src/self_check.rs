@@ -116,9 +116,9 @@ impl ImageCheck {
 /// Two solves of the monitored spindle, from nothing and from the first one's answer, at fixed loads and speeds. Their
 /// answers have the same bits on every machine.
 #[derive(Debug)]
-pub struct KnownAnswer<const R: usize, const N: usize, const D: usize = 5, const E: usize = 0> {
+pub struct KnownAnswer<'m, const R: usize, const N: usize, const D: usize = 5, const E: usize = 0> {
     spindle: &'static Spindle<'static, f32, R, N, D, E>,
-    solver: SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
+    solver: &'m mut SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
     preload: f32,
     /// Solves that have ended, and steps of the one that has not.
     solves: u8,
@@ -135,12 +135,18 @@ const SOLVES: [([f32; 5], f32); 2] = [
 /// Steps of a solve that ends, by far: from nothing, some ten.
 const MOST_STEPS: u16 = 50;
 
-impl<const R: usize, const N: usize, const D: usize, const E: usize> KnownAnswer<R, N, D, E> {
-    /// Of this spindle, under an axial load (N) that it carries in normal use.
-    pub fn new(spindle: &'static Spindle<'static, f32, R, N, D, E>, preload: f32) -> Self {
+impl<'m, const R: usize, const N: usize, const D: usize, const E: usize>
+    KnownAnswer<'m, R, N, D, E>
+{
+    /// Of this spindle, under an axial load (N) that it carries in normal use, by a new solver.
+    pub fn new(
+        spindle: &'static Spindle<'static, f32, R, N, D, E>,
+        preload: f32,
+        solver: &'m mut SpindleSolver<f32, R, N, RacewayControlFree, D, E>,
+    ) -> Self {
         Self {
             spindle,
-            solver: SpindleSolver::of(),
+            solver,
             preload,
             solves: 0,
             steps: 0,

@@ -7,8 +7,10 @@
 //! A tick may leave a pass between two rows of balls, and the next tick goes on there. A solve that is cut at every row
 //! has the bits of one that is not. Levels and reports are taken of its equilibrium in turn, as ticks have the time.
 
+use crate::in_place::in_place;
 use crate::plausibility::GoodSample;
 use crate::settings::MonitorSettings;
+use core::mem::MaybeUninit;
 use heapless::Vec;
 use spindle_bearing::{
     Growth, RacewayControlFree, RowSummary, Settings, ShaftLoad, Speed, Spindle, SpindleSolution,
@@ -69,13 +71,17 @@ impl<const R: usize> Ended<R> {
 }
 
 impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, N, D, E> {
-    pub(crate) const fn new(spindle: &'static Spindle<'static, f32, R, N, D, E>) -> Self {
-        Self {
-            spindle,
+    /// Makes one in its place: its solver is the largest part of a monitor.
+    pub(crate) fn make<'m>(
+        place: &'m mut MaybeUninit<Self>,
+        spindle: &'static Spindle<'static, f32, R, N, D, E>,
+    ) -> &'m mut Self {
+        in_place!(place, {}, {
+            spindle: spindle,
             solver: SpindleSolver::of(),
             begun: None,
             ended: None,
-        }
+        })
     }
 
     /// Whether there is a solve that another sample must wait for.

@@ -6,7 +6,7 @@
 use crate::common::{Ends, number, run_of, signed};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use spindle_bearing::Status;
-use spindle_firmware::chain::Chain;
+use spindle_firmware::chain::{self, Chain, SpindleMonitor};
 use spindle_firmware::spindle::{ROWS, monitor_settings};
 use spindle_monitor::command::{
     self, Command, MOST_PROBES, ORDER_EVERY, Order, PortReader, Received, Request,
@@ -196,7 +196,7 @@ impl CycleCounter for Counter {
 
 /// A board, its host, and what is known of both.
 struct Bench {
-    chain: Chain,
+    chain: Chain<Box<SpindleMonitor>>,
     counter: Counter,
     /// A second reader of the port.
     port: PortReader,
@@ -223,7 +223,8 @@ struct Bench {
 
 impl Bench {
     fn new(pace: u32) -> Self {
-        let mut chain = Chain::new(&Past::default(), &MONITOR);
+        let monitor = chain::monitor(&Past::default(), &MONITOR);
+        let mut chain = Chain::new(Box::new(monitor));
         chain
             .prepare()
             .expect("the idling spindle has an equilibrium");

@@ -3,12 +3,12 @@
 use spindle_firmware::spindle::{BALLS, FREEDOMS, JOINTS, KNOWN_LOAD, ROWS, SPINDLE};
 use spindle_monitor::self_check::KnownAnswer;
 
-fn known(preload: f32) -> KnownAnswer<ROWS, BALLS, FREEDOMS, JOINTS> {
-    KnownAnswer::new(&SPINDLE, preload)
+fn known(preload: f32) -> KnownAnswer<'static, ROWS, BALLS, FREEDOMS, JOINTS> {
+    KnownAnswer::new(&SPINDLE, preload, Box::leak(Box::default()))
 }
 
 /// The answer's checksum, and the steps to it.
-fn answer(known: &mut KnownAnswer<ROWS, BALLS, FREEDOMS, JOINTS>) -> (u32, usize) {
+fn answer(known: &mut KnownAnswer<'_, ROWS, BALLS, FREEDOMS, JOINTS>) -> (u32, usize) {
     let mut steps = 1;
     loop {
         match known.step() {

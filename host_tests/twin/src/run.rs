@@ -1,7 +1,7 @@
 //! Ticks of the host's own build of the monitor.
 
 use anyhow::{Result, ensure};
-use spindle_firmware::chain::Chain;
+use spindle_firmware::chain::{self, Chain};
 use spindle_firmware::spindle::{ROWS, monitor_settings};
 use spindle_monitor::board::Check;
 use spindle_monitor::settings::MonitorSettings;
@@ -25,7 +25,8 @@ pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
     };
     send(&mut output, &postcard::to_stdvec(&about)?)?;
     let mut marks = [0; Marks::variant_count() as usize];
-    let mut chain = Chain::new(&Past::default(), &MONITOR);
+    let monitor = chain::monitor(&Past::default(), &MONITOR);
+    let mut chain = Chain::new(Box::new(monitor));
     ensure!(
         chain.prepare().is_ok(),
         "the idling spindle has no equilibrium to start from"

@@ -5,6 +5,7 @@ use anyhow::{Context, Result, bail, ensure};
 use object::elf::PT_LOAD;
 use object::read::elf::ProgramHeader;
 use object::{Endianness, Object, ObjectSymbol};
+use spindle_bearing::SpindleSolver;
 use spindle_firmware::spindle::{KNOWN_LOAD, SPINDLE};
 use spindle_monitor::self_check::{Checksum, KnownAnswer, Seal};
 
@@ -13,7 +14,8 @@ const SYMBOL: &str = "IMAGE_SEAL";
 
 /// The checksum of the answer that is known.
 fn answer() -> u32 {
-    let mut known = KnownAnswer::new(&SPINDLE, KNOWN_LOAD);
+    let mut solver = SpindleSolver::of();
+    let mut known = KnownAnswer::new(&SPINDLE, KNOWN_LOAD, &mut solver);
     loop {
         if let Some(sum) = known.step() {
             return sum;

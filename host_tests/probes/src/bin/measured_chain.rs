@@ -16,7 +16,7 @@ probes::image!(measured::keep, proved: false);
 mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use spindle_firmware::chain::Chain;
+    use spindle_firmware::chain::{self, Chain, SpindleMonitor};
     use spindle_firmware::spindle::ROWS;
     use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
     use spindle_monitor::Past;
@@ -44,7 +44,8 @@ mod measured {
     #[unsafe(no_mangle)]
     static mut MEASURED_TICK: [u32; 5] = [0; 5];
 
-    static mut CHAIN: MaybeUninit<Chain> = MaybeUninit::uninit();
+    static mut MADE: MaybeUninit<SpindleMonitor> = MaybeUninit::uninit();
+    static mut CHAIN: MaybeUninit<Chain<&'static mut SpindleMonitor>> = MaybeUninit::uninit();
     static mut TIME_US: u64 = 0;
 
     /// The core's counter of cycles, a register that the emulator moves on whenever it is read.
@@ -69,9 +70,8 @@ mod measured {
     unsafe extern "C" fn measured_prepare() -> u32 {
         // SAFETY: one thread, and no reference to it is left from before.
         let chain = unsafe {
-            let chain = (&raw mut CHAIN).cast::<Chain>();
-            chain.write(Chain::new(&Past::default(), &MONITOR));
-            &mut *chain
+            let monitor = chain::make(&mut *(&raw mut MADE), &Past::default(), &MONITOR);
+            (*(&raw mut CHAIN)).write(Chain::new(monitor))
         };
         u32::from(chain.prepare().is_ok())
     }
@@ -87,7 +87,7 @@ mod measured {
         // is one of theirs.
         let (chain, input, output, tick, time_us) = unsafe {
             (
-                &mut *(&raw mut CHAIN).cast::<Chain>(),
+                (*(&raw mut CHAIN)).assume_init_mut(),
                 &*(&raw const MEASURED_INPUT).cast::<[u8; INPUT]>(),
                 &mut *(&raw mut MEASURED_OUTPUT).cast::<[u8; OUTPUT]>(),
                 &mut *(&raw mut MEASURED_TICK).cast::<[u32; 5]>(),

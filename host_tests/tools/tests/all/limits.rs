@@ -6,7 +6,7 @@ use files::import::Wanted;
 use files::recordings;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::simulated::MONITOR;
-use spindle_firmware::chain::Chain;
+use spindle_firmware::chain::{self, Chain};
 use spindle_firmware::spindle::ROWS;
 use spindle_monitor::command::{self, Command, Order, Request};
 use spindle_monitor::judgement::AlarmChange;
@@ -25,7 +25,8 @@ const SHIPPED: &str = concat!(
 
 /// Alarms of the firmware's chain, which has all over its port: time in ms, name, whether it was raised.
 fn of_chain(path: &str) -> Vec<(u64, &'static str, bool)> {
-    let mut chain = Chain::new(&Past::default(), &MONITOR);
+    let monitor = chain::monitor(&Past::default(), &MONITOR);
+    let mut chain = Chain::new(Box::new(monitor));
     chain.prepare().unwrap();
     let mut events = Vec::new();
     let (mut orders, mut raised) = (Vec::new(), [0; Alarm::COUNT]);

@@ -14,7 +14,7 @@ use host_tests::dispatch::Precision;
 use host_tests::milling_cycle::record_of;
 use host_tests::telemetry::simulated::MONITOR as F405;
 use rayon::prelude::*;
-use spindle_firmware::chain::Chain;
+use spindle_firmware::chain::{self, Chain};
 use spindle_firmware::spindle::{BALLS, ROWS};
 use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
 use spindle_monitor::Past;
@@ -126,7 +126,8 @@ impl Board {
 
     /// Starts the host's own build of its chain.
     fn start(&self) -> Result<Telemetry> {
-        let mut chain = Chain::new(&Past::default(), self.settings);
+        let monitor = chain::monitor(&Past::default(), self.settings);
+        let mut chain = Chain::new(Box::new(monitor));
         let prepared = chain.prepare().ok();
         prepared.context("the host has no equilibrium to start from")?;
         let mut time_us = 0;
