@@ -5,6 +5,7 @@ use crate::board::{Board, Started};
 use crate::chain::{self, Chain, Sensors, SpindleMonitor};
 use crate::dog::{Dog, feed_at_start};
 use crate::flash::{Cells, Flash, Pace};
+use crate::memory;
 use crate::self_check::{KnownSolver, SelfCheck};
 use crate::spindle::{BRIDGES, IDENTITY, PERIOD_US};
 use core::mem::MaybeUninit;
@@ -30,6 +31,9 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
         }
     );
     defmt::info!("started by {=str}", board.reset.name());
+    if memory::take_overrun() {
+        defmt::error!("the stack was used up before this start");
+    }
     if board.report.brown_out == Some(0) {
         defmt::warn!(
             "brown-out reset is off: the chip runs on where the supply is too low for its flash"

@@ -5,6 +5,7 @@
     reason = "symbols of the linker, and memory that has another owner"
 )]
 
+use core::mem::MaybeUninit;
 use core::slice::from_raw_parts;
 use cortex_m_rt::STACK_PAINT_VALUE;
 use spindle_monitor::self_check::{PARTS, Seal};
@@ -14,7 +15,7 @@ use spindle_monitor::self_check::{PARTS, Seal};
 #[unsafe(no_mangle)]
 static IMAGE_SEAL: [u32; 4] = Seal::Open.words();
 
-// By `link.x` of cortex-m-rt.
+// By `link.x` of cortex-m-rt and `memory.x`.
 unsafe extern "C" {
     static __vector_table: u8;
     static __etext: u8;
@@ -25,6 +26,33 @@ unsafe extern "C" {
     static __edata: u8;
     static _stack_start: u32;
     static _stack_end: u32;
+}
+
+/// Note of an overrun of the stack, which outlasts a reset. After the power was off, it is anything.
+#[unsafe(link_section = ".uninit.overrun")]
+static mut OVERRUN: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
+/// The note: unlikely words, the second one the first one's complement.
+const NOTE: [u32; 2] = [0x5ac0_ffee, !0x5ac0_ffee];
+
+/// Whether an address is below all of the stack.
+pub fn is_beyond_the_stack(address: usize) -> bool {
+    address < (&raw const _stack_end).addr()
+}
+
+/// Notes for the next start that the stack was used up.
+pub fn note_overrun() {
+    // SAFETY: nobody else writes it, and every bit pattern is a value.
+    unsafe { (&raw mut OVERRUN).cast::<[u32; 2]>().write_volatile(NOTE) };
+}
+
+/// Whether the stack was used up before this start. Forgets it.
+pub fn take_overrun() -> bool {
+    let note = (&raw mut OVERRUN).cast::<[u32; 2]>();
+    // SAFETY: as above. Memory that the compiler knows nothing of.
+    let was = unsafe { note.read_volatile() } == NOTE;
+    // SAFETY: likewise.
+    unsafe { note.write_volatile([0; 2]) };
+    was
 }
 
 /// The seal as it is in flash.

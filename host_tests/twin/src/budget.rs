@@ -48,8 +48,8 @@ pub fn budget(elf: &[u8], core: &str) -> Result<String> {
             .with_context(|| format!("there is no {name}: this is no firmware of the monitor"))
     };
     let top = symbol("_stack_start")?;
-    let used = symbol("__euninit")?.max(symbol("__ebss")?) - RAM;
-    let left = (top - RAM).saturating_sub(used);
+    let used = symbol("__euninit")? - top;
+    let left = top - symbol("_stack_end")?;
     ensure!(
         left >= STACK,
         "{used} B of RAM are taken, and {left} B left, of which the stack needs {STACK}: fewer rows, or fewer balls in the largest row"
@@ -72,6 +72,6 @@ pub fn budget(elf: &[u8], core: &str) -> Result<String> {
         pass as f32 / tick.deadline_cycles as f32,
         flash.div_ceil(1024),
         used.div_ceil(1024),
-        (top - RAM) / 1024,
+        (used + left) / 1024,
     ))
 }

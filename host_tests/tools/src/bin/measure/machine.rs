@@ -14,8 +14,8 @@ const FLASH: (u32, u32) = (0x0800_0000, 0x10_0000);
 const RAM: (u32, u32) = (0x2000_0000, 0x2_0000);
 /// The address that functions return to: the end of flash.
 const RETURN: u32 = FLASH.0 + FLASH.1 - 16;
-/// Bytes at the start of RAM that are kept for the program's statics; the rest is stack.
-const DATA: u32 = 0x1_0000;
+/// The stack, in memory of its own: all of the RAM may be the program's variables.
+const STACK: (u32, u32) = (0x1000_0000, 0x1_0000);
 /// Paint of the unused stack.
 const PAINT: u8 = 0xA5;
 
@@ -102,7 +102,9 @@ impl Machine {
         };
         uc.ctl_set_cpu_model(model as i32)?;
         uc.mem_map(FLASH.0.into(), FLASH.1.into(), Prot::READ | Prot::EXEC)?;
-        uc.mem_map(RAM.0.into(), RAM.1.into(), Prot::READ | Prot::WRITE)?;
+        for (from, size) in [RAM, STACK] {
+            uc.mem_map(from.into(), size.into(), Prot::READ | Prot::WRITE)?;
+        }
         for (address, data) in &image.segments {
             let written = uc.mem_write((*address).into(), data);
             written.context("a segment outside of memory")?;
@@ -139,7 +141,8 @@ impl Machine {
         let watch = self.uc.get_data_mut();
         (watch.count, watch.end) = (Count::default(), None);
         watch.looks.clear();
-        self.uc.reg_write(RegisterARM::SP, (RAM.0 + RAM.1).into())?;
+        self.uc
+            .reg_write(RegisterARM::SP, (STACK.0 + STACK.1).into())?;
         self.uc.reg_write(RegisterARM::LR, (RETURN | 1).into())?;
         let end = self
             .uc
@@ -156,18 +159,17 @@ impl Machine {
 
     /// Calls a function and tells how many bytes of stack it touched.
     pub fn stack_of(&mut self, function: u32) -> Result<u64> {
-        let lowest = RAM.0 + DATA;
-        let size = (RAM.1 - DATA) as usize;
-        self.write(lowest, &vec![PAINT; size])?;
+        let size = STACK.1 as usize;
+        self.write(STACK.0, &vec![PAINT; size])?;
         self.call(function)?;
-        let stack = self.read(lowest, size)?;
+        let stack = self.read(STACK.0, size)?;
         let unused = stack.iter().take_while(|byte| **byte == PAINT).count();
         Ok((size - unused) as u64)
     }
 
     /// The memory, but for the stack.
     pub fn memory(&self) -> Result<Vec<u8>> {
-        self.read(RAM.0, DATA as usize)
+        self.read(RAM.0, RAM.1 as usize)
     }
 
     /// Puts the memory back.
