@@ -9,8 +9,6 @@ pub mod cross;
 pub mod drawing;
 #[cfg(feature = "board")]
 pub mod emulator;
-#[cfg(feature = "full")]
-pub mod graph;
 pub mod output;
 pub mod report;
 pub mod stream;

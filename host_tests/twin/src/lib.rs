@@ -1,4 +1,7 @@
-//! Messages between the twin and the program that runs it: a length of four bytes, then so many bytes.
+//! Messages between the twin and the program that runs it, a length of four bytes, then so many bytes; and linked programs as
+//! both look at them.
+
+pub mod graph;
 
 use serde::{Deserialize, Serialize};
 use spindle_monitor::Marks;

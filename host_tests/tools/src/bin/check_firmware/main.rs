@@ -22,7 +22,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use tools::cross::{self, Build, Origin};
-use tools::graph::{self, Graph, Reach};
+use twin::graph::{self, Graph, Reach};
 use unwanted::Unwanted;
 
 /// Keeps the relocations of a linked program.

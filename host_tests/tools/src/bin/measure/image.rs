@@ -8,7 +8,7 @@ use object::{Object, ObjectSegment, ObjectSymbol};
 use std::collections::HashMap;
 use std::path::Path;
 use tools::cross::{Build, Origin};
-use tools::graph::Graph;
+use twin::graph::Graph;
 
 /// Where memory begins that is not flash.
 const RAM: u64 = 0x2000_0000;
