@@ -29,6 +29,9 @@ pub struct SelfCheck<'m> {
     /// Cycles that the longest step of that solve took at the start, and a quarter more.
     answer_cycles: u32,
     stack: Stack,
+    /// Bytes of it that were never used, and the figure in the log.
+    unused: u32,
+    logged: u32,
     /// The stack is a part of the report.
     tells_stack: bool,
     report: BoardReport,
@@ -59,6 +62,8 @@ impl<'m> SelfCheck<'m> {
             expected,
             answer_cycles: 0,
             stack: Stack::default(),
+            unused: u32::MAX,
+            logged: u32::MAX,
             tells_stack: !lock_step,
             report,
             ticks: 0,
@@ -95,14 +100,10 @@ impl<'m> SelfCheck<'m> {
             checks.report.known_answer.name(),
             us(read, solved)
         );
-        let unused = loop {
+        while checks.unused == u32::MAX {
             feed_at_start::<W>();
-            if let Some(bytes) = checks.stack.step(16 * WORDS) {
-                break bytes;
-            }
-        };
-        checks.measured(unused);
-        defmt::info!("{=u32} bytes of stack not used so far", unused);
+            checks.step_stack(16 * WORDS);
+        }
         checks.tell(BoardReport::NONE);
         checks
     }
@@ -133,15 +134,17 @@ impl<'m> SelfCheck<'m> {
         } else if left > CYCLES {
             self.stepped = true;
             self.step_image(BYTES);
-            if let Some(bytes) = self.stack.step(WORDS) {
-                self.measured(bytes);
-            }
+            self.step_stack(WORDS);
         }
-        self.report != before
+        self.report != before || self.unused != self.logged
     }
 
-    /// Logs the checks that have failed since the report `before`.
-    pub fn tell(&self, before: BoardReport) {
+    /// Logs checks that have failed since the report `before`, and a new figure of the stack.
+    pub fn tell(&mut self, before: BoardReport) {
+        if self.unused != self.logged {
+            self.logged = self.unused;
+            defmt::info!("{=u32} bytes of stack not used so far", self.unused);
+        }
         let failed = |now: Check, before: Check| now == Check::Failed && before != now;
         if failed(self.report.image, before.image) {
             defmt::error!("self-check: the image in flash is not the one that was flashed");
@@ -167,9 +170,12 @@ impl<'m> SelfCheck<'m> {
         }
     }
 
-    fn measured(&mut self, unused: u32) {
-        if self.tells_stack {
-            self.report.unused_stack = Some(unused);
+    fn step_stack(&mut self, words: u32) {
+        if let Some(unused) = self.stack.step(words) {
+            self.unused = unused;
+            if self.tells_stack {
+                self.report.unused_stack = Some(unused);
+            }
         }
     }
 }

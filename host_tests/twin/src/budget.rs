@@ -1,15 +1,14 @@
 //! Cycles and memory that a spindle takes of its board: cycles by the measured costs of a tick's parts, memory as the image was
-//! linked.
+//! linked, the stack by the frames on its longest way of calls.
 
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSegment, ObjectSymbol};
 use spindle_firmware::spindle::{BALLS, JOINTS, PERIOD_US, ROWS, SPINDLE, monitor_settings};
 use spindle_monitor::tick::CycleCost;
+use twin::graph::Graph;
 
 /// Memory that an image is loaded into: 0x08000000 is flash.
 const RAM: u64 = 0x2000_0000;
-/// Room that the stack must have, B: three times as much as a solve of four elastic rows takes (docs/report.md).
-const STACK: u64 = 8192;
 /// Passes over all rows that a solve takes, from a steady load to a tooth's.
 const PASSES: [u32; 2] = [2, 4];
 
@@ -48,11 +47,16 @@ pub fn budget(elf: &[u8], core: &str) -> Result<String> {
             .with_context(|| format!("there is no {name}: this is no firmware of the monitor"))
     };
     let top = symbol("_stack_start")?;
-    let used = symbol("__euninit")? - top;
+    let variables = symbol("__euninit")? - top;
     let left = top - symbol("_stack_end")?;
+    let graph = Graph::read(elf)?;
+    let stack = graph.stack()?;
     ensure!(
-        left >= STACK,
-        "{used} B of RAM are taken, and {left} B left, of which the stack needs {STACK}: fewer rows, or fewer balls in the largest row"
+        stack.bytes <= left,
+        "variables take {variables} B of RAM, and leave {left} B for the stack, which needs {} B: fewer rows, or fewer balls in the largest \
+         row. The longest way of calls: {}",
+        stack.bytes,
+        stack.names.join(" -> ")
     );
     if old * 1e3 > settings.plausibility.fresh_us as f32 {
         eprintln!(
@@ -67,11 +71,11 @@ pub fn budget(elf: &[u8], core: &str) -> Result<String> {
     let shaft = if JOINTS > 0 { "elastic" } else { "rigid" };
     Ok(format!(
         "{rows}, {balls} balls, {shaft}: a pass takes {} k cycles at most, {:.1} ticks of {ms} ms; estimates {young} to {old} ms old; \
-         {} KiB of flash, {} of {} KiB of RAM, the rest for the stack",
+         {} KiB of flash, {} KiB of RAM; stack: {} B at most, of {left} B",
         pass.div_ceil(1000),
         pass as f32 / tick.deadline_cycles as f32,
         flash.div_ceil(1024),
-        used.div_ceil(1024),
-        (used + left) / 1024,
+        variables.div_ceil(1024),
+        stack.bytes,
     ))
 }

@@ -1,6 +1,7 @@
 //! Messages between the twin and the program that runs it, a length of four bytes, then so many bytes; and linked programs as
 //! both look at them.
 
+mod frame;
 pub mod graph;
 
 use serde::{Deserialize, Serialize};

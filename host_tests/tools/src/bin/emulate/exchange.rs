@@ -19,6 +19,38 @@ pub struct Answer {
     pub frames: Vec<Frame>,
     /// Lines of the log.
     pub log: Vec<String>,
+    /// Bytes of the board's stack that were never used.
+    pub unused_stack: u64,
+}
+
+/// The newest figure of the stack in a log.
+///
+/// # Errors
+///
+/// All of the stack was used, or the log has no figure.
+fn unused_stack(log: &[String]) -> Result<u64> {
+    let figure = |line: &String| {
+        let (bytes, _) = line.split_once(" bytes of stack not used so far")?;
+        bytes.parse().ok()
+    };
+    match log.iter().rev().find_map(figure) {
+        Some(0) => bail!("the board has used up its stack: what lies beyond it may be damaged"),
+        Some(bytes) => Ok(bytes),
+        None => bail!("the board does not say how much of its stack is left"),
+    }
+}
+
+/// Fails if the board has said that something is wrong.
+fn refuse(log: &[String]) -> Result<()> {
+    let unwanted = |line: &&String| {
+        line.ends_with(AGAIN)
+            || line.starts_with("receiver lost")
+            || line.starts_with("no equilibrium")
+    };
+    match log.iter().find(unwanted) {
+        Some(line) => bail!("the board says: {line}"),
+        None => Ok(()),
+    }
 }
 
 fn frames(bytes: &[u8]) -> Vec<Frame> {
@@ -57,6 +89,7 @@ pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<
         board.read_log(&mut log)?;
         let from = received.len();
         received.extend(&bytes);
+        refuse(&log.lines)?;
         if plan.expected.get(from..received.len()) != Some(&bytes[..]) {
             bail!("{}", difference(&plan.expected, &received, &log.lines));
         }
@@ -81,16 +114,10 @@ pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<
     // The last lines are still on their way to the log.
     std::thread::sleep(Duration::from_millis(100));
     board.read_log(&mut log)?;
-    let unwanted = |line: &&String| {
-        line.ends_with(AGAIN)
-            || line.starts_with("receiver lost")
-            || line.starts_with("no equilibrium")
-    };
-    if let Some(line) = log.lines.iter().find(unwanted) {
-        bail!("the board says: {line}");
-    }
+    refuse(&log.lines)?;
     Ok(Some(Answer {
         frames: frames(&received),
+        unused_stack: unused_stack(&log.lines)?,
         log: log.lines,
     }))
 }
@@ -141,6 +168,37 @@ mod tests {
             bytes.extend(framing::encode::<_, FRAME_LENGTH>(&frame).unwrap());
         }
         bytes
+    }
+
+    #[test]
+    fn a_stack_that_was_used_up_is_an_error_and_no_figure() {
+        let log = |lines: &[&str]| {
+            unused_stack(&lines.iter().map(|line| (*line).into()).collect::<Vec<_>>())
+        };
+        let said = [
+            "ready",
+            "8000 bytes of stack not used so far",
+            "5120 bytes of stack not used so far",
+        ];
+        assert_eq!(log(&said).unwrap(), 5120);
+        let used_up = log(&[
+            "8000 bytes of stack not used so far",
+            "0 bytes of stack not used so far",
+        ]);
+        assert!(
+            used_up
+                .unwrap_err()
+                .to_string()
+                .contains("used up its stack")
+        );
+        assert!(log(&["ready"]).is_err());
+        let again = ["ready".to_owned(), format!("the stack is used up, {AGAIN}")];
+        assert!(
+            refuse(&again)
+                .unwrap_err()
+                .to_string()
+                .contains("the stack is used up")
+        );
     }
 
     #[test]

@@ -184,11 +184,12 @@ fn run(arguments: &Arguments, plan: &Plan, firmware: &Firmware) -> Result<()> {
     };
     let text = summary::summary(plan, &answer)?;
     println!(
-        "\n{}\n{text}\n{} frames in {} bytes of telemetry, equal to the host's to the last bit; {} lines of log",
+        "\n{}\n{text}\n{} frames in {} bytes of telemetry, equal to the host's to the last bit; {} lines of log; {} bytes of stack never used",
         summary::seen(&answer),
         answer.frames.len(),
         plan.expected.len(),
         answer.log.len(),
+        answer.unused_stack,
     );
     match golden(arguments) {
         Some(path) => summary::check(&path, &text, arguments.accept),
