@@ -9,7 +9,7 @@ use files::spindles::SpindleFile;
 use mounting::{Visitor, board};
 use spindle_bearing::{Design, Preload, Spindle, Support};
 use spindle_monitor::ProbeSettings;
-use spindle_monitor::tick::CycleCost;
+use spindle_monitor::tick::Core;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -39,9 +39,16 @@ fn make() -> Result<()> {
     for doubt in &file.doubts {
         println!("cargo::warning={doubt}");
     }
-    let plan = board::plan(&file)?;
+    let plan = board::plan(&file, core())?;
     let to = Path::new(&std::env::var("OUT_DIR")?).join("spindle.rs");
     Ok(std::fs::write(to, constants(&file, &plan)?)?)
+}
+
+/// The core of the board that this is built for; none for a host, which has no ticks to miss.
+fn core() -> Option<Core> {
+    let is_for = |feature: &str| std::env::var_os(feature).is_some();
+    let h743 = is_for("CARGO_FEATURE_H743").then_some(Core::STM32H743);
+    h743.or(is_for("CARGO_FEATURE_F405").then_some(Core::STM32F405))
 }
 
 /// The spindle and its settings as Rust.
@@ -299,19 +306,18 @@ impl<'p> Visitor<'p, f32> for Settings<'_> {
         _: f64,
     ) -> std::result::Result<(), BuildError> {
         // Each board has a core of its own.
-        let settings = board::settings::<R>(self.file, 0, CycleCost::CORTEX_M4F);
+        let settings = board::settings::<R>(self.file, &Core::STM32F405);
         *self.text += &format!(
             "/// Period of a tick, us.\n\
              pub const PERIOD_US: u32 = {};\n\
-             /// Settings of the monitor on a core of this frequency, with these costs of a tick's parts.\n\
-             pub const fn monitor_settings(core_hz: u32, cost: CycleCost) -> MonitorSettings<ROWS> {{\n\
+             /// Settings of the monitor on this core.\n\
+             pub const fn monitor_settings(core: &Core) -> MonitorSettings<ROWS> {{\n\
              #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
              #[allow(non_upper_case_globals)]\nconst inf: f32 = f32::INFINITY;\n\
              let mut settings = {settings:?};\n\
-             settings.tick = TickSettings::new(PERIOD_US, core_hz, cost.with_probes(PROBES));\n\
+             settings.tick = TickSettings::new(PERIOD_US, core.hz, core.cost.with_probes(PROBES));\n\
              match settings.check() {{\n\
-             Ok(()) if settings.tick.has_time(ROWS, BALLS) => settings,\n\
-             Ok(()) => panic!(\"a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls\"),\n\
+             Ok(()) => settings,\n\
              Err(error) => panic!(\"{{}}\", error.field),\n\
              }}\n}}\n",
             settings.tick.period_us

@@ -7,10 +7,10 @@ mod board;
 
 use spindle_firmware::spindle::{ROWS, monitor_settings};
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::CycleCost;
+use spindle_monitor::tick::Core;
 
 /// The monitor's settings, which the board's start asks for.
-static MONITOR: MonitorSettings<ROWS> = monitor_settings(400_000_000, CycleCost::CORTEX_M7);
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32H743);
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -13,10 +13,10 @@ use spindle_firmware::application;
 use spindle_firmware::spindle::ROWS;
 use spindle_firmware::spindle::monitor_settings;
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::CycleCost;
+use spindle_monitor::tick::Core;
 
 /// The monitor's settings on this core.
-static MONITOR: MonitorSettings<ROWS> = monitor_settings(400_000_000, CycleCost::CORTEX_M7);
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32H743);
 
 #[cortex_m_rt::entry]
 fn main() -> ! {

@@ -2,13 +2,14 @@
 
 use super::{pac, within};
 use pac::{FLASH, RCC};
+use spindle_monitor::tick::Core;
 
 /// Frequency of the board's crystal, Hz: a whole number of MHz.
 const CRYSTAL_HZ: u32 = 8_000_000;
 /// Frequency of the internal oscillator, Hz.
 pub const INTERNAL_HZ: u32 = 16_000_000;
 /// Frequency of the core when it runs from the PLL, Hz: the most the chip allows.
-pub const CORE_HZ: u32 = 168_000_000;
+pub const CORE_HZ: u32 = Core::STM32F405.hz;
 
 /// Frequency that the PLL compares at, Hz: it jitters least of what it accepts.
 const COMPARED_HZ: u32 = 2_000_000;

@@ -7,7 +7,7 @@ use crate::dog::{Dog, feed_at_start};
 use crate::flash::{Cells, Flash, Pace};
 use crate::memory;
 use crate::self_check::{KnownSolver, SelfCheck};
-use crate::spindle::{BRIDGES, IDENTITY, PERIOD_US};
+use crate::spindle::{BALLS, BRIDGES, IDENTITY, PERIOD_US, ROWS};
 use core::mem::MaybeUninit;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::retained::WriteError;
@@ -19,6 +19,12 @@ type BoardChain<S> = Chain<&'static mut SpindleMonitor, S>;
 
 /// Takes the board, and never gives it back.
 pub fn run<B: Board>(mut board: Started<B>) -> ! {
+    const {
+        assert!(
+            B::MONITOR.tick.has_time(ROWS, BALLS),
+            "a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls"
+        );
+    }
     defmt::info!(
         "ready: core at {=u32} MHz, clock {=str}, {=u32} baud, ticks by {=str}",
         board.core_hz / 1_000_000,

@@ -4,6 +4,7 @@
 
 use super::{pac, within};
 use pac::{FLASH, PWR, RCC};
+use spindle_monitor::tick::Core;
 
 /// Frequency at the oscillator's pins, Hz: a whole, even number of MHz.
 const EXTERNAL_HZ: u32 = 8_000_000;
@@ -12,7 +13,7 @@ const EXTERNAL_IS_CLOCK: bool = true;
 /// Frequency of the internal oscillator, Hz.
 const INTERNAL_HZ: u32 = 64_000_000;
 /// Frequency of the core when it runs from the PLL, Hz.
-const CORE_HZ: u32 = 400_000_000;
+const CORE_HZ: u32 = Core::STM32H743.hz;
 /// Frequency that the PLL compares at, Hz: the lower end of its range of 2 MHz to 4 MHz.
 const COMPARED_HZ: u32 = 2_000_000;
 /// The PLL's oscillator runs at twice the core's frequency: 800 MHz, of 192 MHz to 836 MHz.

@@ -2,7 +2,7 @@
 //! page `docs/report.md`. `probe` was measured with two probes at the shipped spindle, whose ticks then stay within their period:
 //! 1,000 cycles in any tick of a Cortex-M4F, 2,700 for the displacement where a solve ends, some 1,000 where a block ends.
 
-use crate::tick::CycleCost;
+use crate::tick::{Core, CycleCost};
 
 impl CycleCost {
     /// Cortex-M4F, rows on an elastic shaft: modelled.
@@ -28,5 +28,20 @@ impl CycleCost {
         ball_look: 610,
         ball_report: 680,
         probe: 1_500,
+    };
+}
+
+impl Core {
+    /// That of an STM32F405, at its highest frequency.
+    pub const STM32F405: Self = Self {
+        chip: "STM32F405",
+        hz: 168_000_000,
+        cost: CycleCost::CORTEX_M4F,
+    };
+    /// That of an STM32H743, at the frequency that every revision reaches.
+    pub const STM32H743: Self = Self {
+        chip: "STM32H743",
+        hz: 400_000_000,
+        cost: CycleCost::CORTEX_M7,
     };
 }

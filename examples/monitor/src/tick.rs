@@ -59,6 +59,17 @@ pub struct CycleCost {
     pub probe: u32,
 }
 
+/// The core of a board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Core {
+    /// Name of the chip.
+    pub chip: &'static str,
+    /// Frequency, Hz.
+    pub hz: u32,
+    /// Cost of a tick's parts.
+    pub cost: CycleCost,
+}
+
 /// The cost of a tick's parts for one spindle, cycles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -15,7 +15,7 @@ use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{EstimateReport, FrameReader, HealthReport, Payload};
-use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
+use spindle_monitor::tick::{Core, CycleCounter, NoWatchdog};
 use spindle_monitor::{Alarm, Mark, Outcome, Past};
 
 /// Steps of one run.
@@ -23,7 +23,7 @@ const MOST_STEPS: usize = 32;
 /// Ticks of one step, mostly, and now and then: enough for every alarm.
 const TICKS: [u16; 2] = [20, 1000];
 
-static MONITOR: MonitorSettings<ROWS> = monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 
 /// Bytes that come in, and ticks.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use spindle_bearing::{
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;
 use spindle_monitor::settings::TelemetrySettings;
-use spindle_monitor::tick::{CycleCost, TickSettings};
+use spindle_monitor::tick::{Core, TickSettings};
 use spindle_monitor::{
     Alarm, MonitorSettings, RowSettings, ShaftSettings, TemperatureSettings, WatchSettings,
 };
@@ -21,8 +21,8 @@ use std::array::from_fn;
 ///
 /// # Errors
 ///
-/// Why it cannot be built in the board's precision, or not be monitored.
-pub fn plan(file: &SpindleFile) -> Result<Plan, DesignFileError> {
+/// Why it cannot be built in the board's precision, or not be monitored; why not in the ticks of this core, if there is one.
+pub fn plan(file: &SpindleFile, core: Option<Core>) -> Result<Plan, DesignFileError> {
     let explained = |error: BuildError| file.explain(&error);
     let closed = closed(&file.plan).map_err(explained)?;
     let mut plan = closed.unwrap_or_else(|| file.plan.clone());
@@ -40,7 +40,7 @@ pub fn plan(file: &SpindleFile) -> Result<Plan, DesignFileError> {
         // The monitor's settings say where loads act.
         shaft.loaded_at = 0.0;
     }
-    visit::<f32>(&plan, Check(file)).map_err(explained)?;
+    visit::<f32>(&plan, Check(file, core)).map_err(explained)?;
     Ok(plan)
 }
 
@@ -66,8 +66,8 @@ impl<'p> Visitor<'p, f64> for Idle<'_> {
     }
 }
 
-/// Looks whether the monitor's settings are in order, and a tick has the time.
-struct Check<'f>(&'f SpindleFile);
+/// Looks whether the monitor's settings are in order, and a tick of the core has the time.
+struct Check<'f>(&'f SpindleFile, Option<Core>);
 
 impl<'p> Visitor<'p, f32> for Check<'_> {
     fn visit<const R: usize, const D: usize, const E: usize>(
@@ -76,14 +76,16 @@ impl<'p> Visitor<'p, f32> for Check<'_> {
         _: f64,
     ) -> Result<(), BuildError> {
         let error = |text: String| Err(BuildError::Spindle(text));
-        let settings = settings::<R>(self.0, 168_000_000, CycleCost::CORTEX_M4F);
+        let settings = settings::<R>(self.0, &self.1.unwrap_or(Core::STM32F405));
         if let Err(wrong) = settings.check() {
             return error(wrong.to_string());
         }
         let most = spindle.ball_counts().into_iter().max().unwrap_or_default();
-        if !settings.tick.has_time(R, most.into()) {
+        if let Some(Core { chip, .. }) = self.1
+            && !settings.tick.has_time(R, most.into())
+        {
             return error(format!(
-                "a tick of {} ms on the STM32F405 has no time for parts of a solve with {R} rows of {most} balls: give a longer `period_ms` \
+                "a tick of {} ms on the {chip} has no time for parts of a solve with {R} rows of {most} balls: give a longer `period_ms` \
                  in [monitor]",
                 settings.tick.period_us / 1000
             ));
@@ -92,16 +94,12 @@ impl<'p> Visitor<'p, f32> for Check<'_> {
     }
 }
 
-/// The settings of the monitor of the `R` rows of a file, on a core of this frequency with these costs of a tick's parts.
+/// The settings of the monitor of the `R` rows of a file, on this core.
 ///
 /// # Panics
 ///
 /// If the file has fewer rows.
-pub fn settings<const R: usize>(
-    file: &SpindleFile,
-    core_hz: u32,
-    cost: CycleCost,
-) -> MonitorSettings<R> {
+pub fn settings<const R: usize>(file: &SpindleFile, core: &Core) -> MonitorSettings<R> {
     let MonitorFile {
         period_us,
         plausible,
@@ -156,7 +154,11 @@ pub fn settings<const R: usize>(
             hold_us: t.hold_us,
             warm: narrow(t.warm),
         }),
-        tick: TickSettings::new(*period_us, core_hz, cost.with_probes(file.probes.len())),
+        tick: TickSettings::new(
+            *period_us,
+            core.hz,
+            core.cost.with_probes(file.probes.len()),
+        ),
         tolerance: Settings::<f32>::TICK.tolerance,
         accuracy: narrow(*accuracy),
         plausibility: PlausibilitySettings {

@@ -9,11 +9,11 @@ use spindle_firmware::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE, mo
 use spindle_monitor::Marks;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
+use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
 use spindle_monitor::{Monitor, Readings};
 
 /// Settings of the STM32F405's monitor.
-pub static MONITOR: MonitorSettings<ROWS> = monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
+pub static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 
 /// One revolution per minute.
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;

@@ -6,6 +6,7 @@ use files::spindles::SpindleFile;
 use host_tests::dispatch::Precision;
 use host_tests::spindles::{Balls, with_solver};
 use mounting::board;
+use spindle_monitor::tick::Core;
 use std::path::Path;
 
 /// A file with every section.
@@ -210,7 +211,7 @@ fn refusals(text: &str) -> [String; 2] {
         // Both read it so.
         Err(error) => return [error.to_string(), error.to_string()],
     };
-    let built = board::plan(&file).map(|_| ());
+    let built = board::plan(&file, Some(Core::STM32F405)).map(|_| ());
     let replayed = with_solver(&file.plan, Balls::Free, Precision::F64, |_| ());
     let replayed = replayed.map_err(|error| file.explain(&error));
     [refusal(built), refusal(replayed)]
@@ -229,6 +230,25 @@ fn a_wrong_file_is_refused_where_it_is_wrong() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
+}
+
+/// A step of 80 balls and a row of 40 take 163,400 cycles of the Cortex-M4F, and 123,000 of the Cortex-M7.
+#[test]
+fn a_tick_is_held_against_the_core_that_it_is_for() {
+    let (from, to) = (
+        "balls = 16\nball_diameter_mm = 6.35",
+        "balls = 40\nball_diameter_mm = 2.5",
+    );
+    assert!(GOOD.contains(from));
+    let text = GOOD.replacen(from, to, 1);
+    let file = SpindleFile::parse("s.toml", &text, Path::new(SHIPPED)).unwrap();
+    let refused = |core| refusal(board::plan(&file, core).map(|_| ()));
+    let words =
+        "a tick of 1 ms on the STM32F405 has no time for parts of a solve with 2 rows of 40 balls";
+    assert!(refused(Some(Core::STM32F405)).contains(words));
+    assert_eq!(refused(Some(Core::STM32H743)), "accepted");
+    // A host has all the time.
+    assert_eq!(refused(None), "accepted");
 }
 
 /// A load that is too large for the bearings, a bearing's file with a monitor, a spring without anything to hold.

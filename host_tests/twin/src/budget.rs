@@ -3,49 +3,85 @@
 
 use anyhow::{Context, Result, ensure};
 use object::{Object, ObjectSegment, ObjectSymbol};
-use spindle_firmware::spindle::{BALLS, JOINTS, PERIOD_US, ROWS, SPINDLE, monitor_settings};
-use spindle_monitor::tick::CycleCost;
+use spindle_bearing::{RacewayControlFree, Settings, Speed, SpindleSolver};
+use spindle_firmware::spindle::{
+    BALLS, FREEDOMS, IDLE, JOINTS, PERIOD_US, ROWS, SPINDLE, monitor_settings,
+};
+use spindle_monitor::MonitorSettings;
+use spindle_monitor::tick::Core;
+use std::array::from_fn;
 use twin::graph::Graph;
 
 /// Memory that an image is loaded into: 0x08000000 is flash.
 const RAM: u64 = 0x2000_0000;
-/// Passes over all rows that a solve takes, from a steady load to a tooth's.
-const PASSES: [u32; 2] = [2, 4];
+/// Change of a steady load from one solve to the next: that of a warm solve in docs/report.md.
+const STEADY: f32 = 0.01;
 
-/// A line on the spindle and its firmware, for the core with this name.
+/// Passes over all rows that a solve of this spindle takes at rest: of a steady load, and of a tooth's.
+///
+/// A tooth's load has changed in each direction by as much as is plausible within a tick, or by the largest half, quarter .. of
+/// that change which the rows carry.
+fn passes(settings: &MonitorSettings<ROWS>) -> Option<[u32; 2]> {
+    let mut solver = SpindleSolver::<_, ROWS, BALLS, RacewayControlFree, FREEDOMS, JOINTS>::of();
+    let effort = Settings {
+        tolerance: settings.tolerance,
+        ..Settings::default()
+    };
+    let mut passes = |load: [f32; 5]| {
+        let solved = solver.solve(&SPINDLE, load, Speed::rad_per_s(0.0), &effort);
+        solved.ok().map(|solution| u32::from(solution.iterations))
+    };
+    let mut part = settings.tick.period_us as f32 * 1e-6;
+    let rates = settings.plausibility.load_rate;
+    let steady = IDLE.map(|load| load * (1.0 + STEADY));
+    for _ in 0..10 {
+        passes(IDLE)?;
+        let young = passes(steady)?;
+        if let Some(old) = passes(from_fn(|i| IDLE[i] + part * rates[i])) {
+            return Some([young, old]);
+        }
+        part *= 0.5;
+    }
+    None
+}
+
+/// A line on the spindle and its firmware, for the chip that it was linked for.
 ///
 /// # Errors
 ///
 /// RAM has no room for the stack; the ELF is no firmware.
-pub fn budget(elf: &[u8], core: &str) -> Result<String> {
-    let settings = match core {
-        "STM32H743" => monitor_settings(400_000_000, CycleCost::CORTEX_M7),
-        _ => monitor_settings(168_000_000, CycleCost::CORTEX_M4F),
-    };
-    let (tick, counts) = (&settings.tick, SPINDLE.ball_counts());
-    let balls = counts.iter().map(|count| u32::from(*count)).sum();
-    let cost = tick.cost.of(ROWS as u32, balls, BALLS as u32);
-    let pass = tick.cost.ball_row * balls + cost.step;
-    let free = (tick.deadline_cycles - tick.cost.tick) as f32;
-    // A sample waits for the solve that has begun, then for its own.
-    let [young, old] = PASSES.map(|passes| {
-        (passes * pass + cost.step + cost.open + cost.look * ROWS as u32) as f32 / free
-    });
-    let ms = PERIOD_US as f32 * 1e-3;
-    let (young, old) = (young.ceil() * ms, 2.0 * old.ceil() * ms);
-
+pub fn budget(elf: &[u8]) -> Result<String> {
     let file = object::File::parse(elf)?;
-    let flash: u64 = file
-        .segments()
-        .filter(|part| part.address() < RAM)
-        .map(|part| part.size())
-        .sum();
     let symbol = |name: &str| {
         let symbol = file.symbols().find(|symbol| symbol.name() == Ok(name));
         symbol
             .map(|symbol| symbol.address())
             .with_context(|| format!("there is no {name}: this is no firmware of the monitor"))
     };
+    let core = match symbol("_chip")? {
+        743 => Core::STM32H743,
+        _ => Core::STM32F405,
+    };
+    let settings = monitor_settings(&core);
+    let (tick, counts) = (&settings.tick, SPINDLE.ball_counts());
+    let balls = counts.iter().map(|count| u32::from(*count)).sum();
+    let cost = tick.cost.of(ROWS as u32, balls, BALLS as u32);
+    let pass = tick.cost.ball_row * balls + cost.step;
+    let free = f64::from(tick.deadline_cycles - tick.cost.tick);
+    // A sample waits for the solve that has begun, then for its own.
+    let passes =
+        passes(&settings).context("the idling spindle has no equilibrium to start from")?;
+    let [young, old] = passes.map(|passes| {
+        (passes * pass + cost.step + cost.open + cost.look * ROWS as u32) as f64 / free
+    });
+    let ms = f64::from(PERIOD_US) * 1e-3;
+    let (young, old) = (young.ceil() * ms, 2.0 * old.ceil() * ms);
+
+    let flash: u64 = file
+        .segments()
+        .filter(|part| part.address() < RAM)
+        .map(|part| part.size())
+        .sum();
     let top = symbol("_stack_start")?;
     let variables = symbol("__euninit")? - top;
     let left = top - symbol("_stack_end")?;
@@ -58,7 +94,7 @@ pub fn budget(elf: &[u8], core: &str) -> Result<String> {
         stack.bytes,
         stack.names.join(" -> ")
     );
-    if old * 1e3 > settings.plausibility.fresh_us as f32 {
+    if old * 1e3 > f64::from(settings.plausibility.fresh_us) {
         eprintln!(
             "warning: estimates grow older than fresh_ms under [monitor.plausible], {} ms: the STM32H743, or a longer period_ms",
             settings.plausibility.fresh_us / 1000

@@ -31,13 +31,7 @@ fn seal(mut command: Vec<String>) -> Result<ExitCode> {
     let path = format!("{}.sealed", command[at]);
     let elf = fs::read(&command[at])?;
     let sealed = seal::sealed(&elf).with_context(|| format!("cannot seal {}", command[at]))?;
-    let is_h743 = command
-        .iter()
-        .any(|argument| argument.starts_with("STM32H743"));
-    eprintln!(
-        "{}",
-        budget::budget(&elf, if is_h743 { "STM32H743" } else { "STM32F405" })?
-    );
+    eprintln!("{}", budget::budget(&elf)?);
     fs::write(&path, sealed).with_context(|| format!("cannot write {path}"))?;
     if at == 0 {
         println!("{path}");

@@ -5,13 +5,13 @@ use spindle_firmware::chain::{self, Chain};
 use spindle_firmware::spindle::{ROWS, monitor_settings};
 use spindle_monitor::board::Check;
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
+use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
 use spindle_monitor::{BoardReport, Marks, Past};
 use std::io::{Read, Write};
 use twin::{About, Ending, receive, send};
 
 /// Settings of the STM32F405's monitor.
-static MONITOR: MonitorSettings<ROWS> = monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
+static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 
 /// Answers each message of `input`, the bytes for a board until the command of a tick, with the bytes that the board must send.
 ///

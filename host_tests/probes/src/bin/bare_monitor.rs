@@ -21,11 +21,10 @@ mod bare {
     use spindle_monitor::board::ResetCause;
     use spindle_monitor::loads::{FramedLoads, LoadSource};
     use spindle_monitor::settings::MonitorSettings;
-    use spindle_monitor::tick::{CycleCost, CycleCounter, Watchdog, Widened};
+    use spindle_monitor::tick::{Core, CycleCounter, Watchdog, Widened};
     use spindle_monitor::{Alarm, Monitor, Readings, Store};
 
-    static MONITOR: MonitorSettings<{ spindle::ROWS }> =
-        monitor_settings(168_000_000, CycleCost::CORTEX_M4F);
+    static MONITOR: MonitorSettings<{ spindle::ROWS }> = monitor_settings(&Core::STM32F405);
 
     /// Pins, bus, cycles and watchdog that the compiler knows nothing of.
     struct Unknown;

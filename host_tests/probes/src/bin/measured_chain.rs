@@ -21,13 +21,13 @@ mod measured {
     use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
     use spindle_monitor::Past;
     use spindle_monitor::settings::MonitorSettings;
-    use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
+    use spindle_monitor::tick::{Core, CycleCounter, NoWatchdog};
 
     const IS_M7: bool = option_env!("MEASURED_CORE").is_some();
     static MONITOR: MonitorSettings<ROWS> = if IS_M7 {
-        monitor_settings(400_000_000, CycleCost::CORTEX_M7)
+        monitor_settings(&Core::STM32H743)
     } else {
-        monitor_settings(168_000_000, CycleCost::CORTEX_M4F)
+        monitor_settings(&Core::STM32F405)
     };
 
     /// Bytes that come in before a tick, at most.

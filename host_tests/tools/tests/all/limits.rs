@@ -128,6 +128,39 @@ fn an_overload_is_raised_after_its_hold_time_and_cleared() {
     std::fs::remove_file(path).unwrap();
 }
 
+/// Two rows of 40 balls, for which a tick of the smaller board has no time.
+#[test]
+fn a_spindle_of_the_larger_board_has_a_monitor_there_alone() {
+    let (bearing, path) = (scratch("forty.toml"), scratch("forties.toml"));
+    let of = std::fs::read_to_string(format!("{SPINDLES}/../bearings/b7005c.toml")).unwrap();
+    let of = of.replace("balls = 16", "balls = 40");
+    std::fs::write(
+        &bearing,
+        of.replace("ball_diameter_mm = 6.35", "ball_diameter_mm = 2.5"),
+    )
+    .unwrap();
+    let text = std::fs::read_to_string(SHIPPED).unwrap();
+    let text = text.replace(
+        "../../host_tests/bearings/b7005c.toml",
+        bearing.to_str().unwrap(),
+    );
+    std::fs::write(&path, text.replace("preload_n = 250", "preload_n = 50")).unwrap();
+    let (path, loads) = (
+        path.to_str().unwrap(),
+        format!("{HEADER}0,5,30,-4,1,2,900\n1,5,1,1,1,1,900\n"),
+    );
+    let given = ["--t_inner", "25", "--t_outer", "22"];
+    let args = [&[path, "-", "--limits"], &given[..]].concat();
+    let (status, _, err) = replayed(&args, &loads);
+    assert_eq!(status, 2, "{err}");
+    assert!(err.contains("on the STM32F405 has no time"), "{err}");
+    let (status, out, err) = replayed(&[&args[..], &["--board", "h743"]].concat(), &loads);
+    assert_eq!(status, 0, "{err}");
+    assert!(out.starts_with(EVENTS), "{out}");
+    std::fs::remove_file(path).unwrap();
+    std::fs::remove_file(bearing).unwrap();
+}
+
 #[test]
 fn every_shipped_spindle_has_a_monitor() {
     for entry in std::fs::read_dir(SPINDLES).unwrap() {

@@ -23,7 +23,9 @@ use clap::Parser;
 use files::import::Import;
 use files::spindles::SpindleFile;
 use host_tests::milling_cycle::record_of;
+use mounting::board;
 use plan::Plan;
+use spindle_monitor::tick::Core;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::mpsc;
@@ -116,10 +118,6 @@ fn main() -> ExitCode {
 fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let root = tools::root();
     let spindle = arguments.spindle.as_deref().map(from_root);
-    let twin = Twin::build(root, spindle.as_deref())?;
-    let (running, about) = twin.start()?;
-    let shipped = || record_of(about.rows).to_owned();
-    let path = arguments.recording.clone().unwrap_or_else(shipped);
     let import = arguments.import.as_deref().map(Import::read).transpose()?;
     let file = spindle
         .as_deref()
@@ -127,6 +125,12 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     // A name of the catalogue is no file here.
     let (here, name) = (root.join(file), Path::new(file));
     let file = SpindleFile::read(if here.exists() { &here } else { name })?;
+    // Before anything is built.
+    board::plan(&file, Some(Core::STM32F405))?;
+    let twin = Twin::build(root, spindle.as_deref())?;
+    let (running, about) = twin.start()?;
+    let shipped = || record_of(about.rows).to_owned();
+    let path = arguments.recording.clone().unwrap_or_else(shipped);
     let (import, seconds) = (import.as_ref(), arguments.seconds);
     let recording = records::read(&path, import, &file.probes, seconds, about.period_us)?;
     cross::add_target(root)?;

@@ -20,7 +20,7 @@ use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
 use spindle_monitor::Past;
 use spindle_monitor::record::LoadRecord;
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::{CycleCost, CycleCounter, NoWatchdog};
+use spindle_monitor::tick::{self, CycleCounter, NoWatchdog};
 use std::collections::VecDeque;
 use std::path::Path;
 use tools::report::Figures;
@@ -35,7 +35,7 @@ const TEETH: u32 = 4000;
 const INPUT: usize = 1024;
 const OUTPUT: usize = 8192;
 
-static H743: MonitorSettings<ROWS> = monitor_settings(400_000_000, CycleCost::CORTEX_M7);
+static H743: MonitorSettings<ROWS> = monitor_settings(&tick::Core::STM32H743);
 const BOARDS: [Board; 2] = [
     Board {
         core: Core::M4f,

@@ -12,7 +12,7 @@ use spindle_bearing::{Spindle, Status};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
-use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
+use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
 use spindle_monitor::{Alarm, Marks, Monitor, Outcome, Readings};
 use std::io::{self, Write};
 use tools::stream::per_tick::PerTick;
@@ -49,9 +49,16 @@ impl<const R: usize, const F: usize, const D: usize, const E: usize> AnyMonitor
     }
 }
 
-/// Makes the monitor of a file on an STM32F405. It stays until the program ends, as the board's does.
+/// Boards by name.
+pub const BOARDS: [(&str, &str, Core); 2] = [
+    ("f405", "STM32F405", Core::STM32F405),
+    ("h743", "STM32H743", Core::STM32H743),
+];
+
+/// Makes the monitor of a file on a board. It stays until the program ends, as the board's does.
 struct Make<'m> {
     file: &'m SpindleFile,
+    core: Core,
     monitor: &'m mut Option<Box<dyn AnyMonitor>>,
 }
 
@@ -61,7 +68,7 @@ impl Visitor<'static, f32> for Make<'_> {
         spindle: Spindle<'static, f32, R, MOST_BALLS, D, E>,
         _: f64,
     ) -> Result<(), BuildError> {
-        let settings = board::settings::<R>(self.file, 168_000_000, CycleCost::CORTEX_M4F);
+        let settings = board::settings::<R>(self.file, &self.core);
         let (spindle, settings) = (Box::leak(Box::new(spindle)), Box::leak(Box::new(settings)));
         let monitor: Monitor<R, MOST_BALLS, 12, D, E> = Monitor::new(spindle, settings);
         *self.monitor = Some(Box::new(monitor));
@@ -69,11 +76,12 @@ impl Visitor<'static, f32> for Make<'_> {
     }
 }
 
-fn monitor_of(file: &SpindleFile) -> Result<Box<dyn AnyMonitor>> {
-    let plan = board::plan(file)?;
+fn monitor_of(file: &SpindleFile, core: Core) -> Result<Box<dyn AnyMonitor>> {
+    let plan = board::plan(file, Some(core))?;
     let mut monitor = None;
     let make = Make {
         file,
+        core,
         monitor: &mut monitor,
     };
     let parts = Parts::of(&plan).map(|parts| &*Box::leak(Box::new(parts)));
@@ -85,7 +93,7 @@ fn monitor_of(file: &SpindleFile) -> Result<Box<dyn AnyMonitor>> {
 /// Runs the monitor over the recording, and writes the alarms to standard output.
 pub fn run(args: &Args) -> Result<Summary> {
     let file = args.file()?;
-    let mut monitor = monitor_of(&file)?;
+    let mut monitor = monitor_of(&file, args.board)?;
     let of = &file.monitor;
     let prepared = monitor.prepare(of.idle.map(|x| x as f32));
     prepared.map_err(|status| anyhow!("the idling spindle has no equilibrium: {status}"))?;

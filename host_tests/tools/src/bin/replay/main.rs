@@ -20,6 +20,7 @@ use host_tests::replay::{Job, Output, ReplayError, Summary, Table, replay};
 use host_tests::spindles::{Balls, Choices, with_solver};
 use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
 use spindle_bearing::Limits;
+use spindle_monitor::tick::Core;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -81,10 +82,14 @@ struct Args {
 
     /// In the place of the results: alarms that the monitor of the spindle's file would raise over the recording, and when
     ///
-    /// The monitor is that of the STM32F405, with the monitor settings of the file. A recording of another rate is brought to its ticks:
+    /// The monitor is that of `--board`, with the monitor settings of the file. A recording of another rate is brought to its ticks:
     /// held where it is slower, the newest record of each tick where it is faster.
     #[arg(long, conflicts_with_all = LIMITS_ALONE)]
     limits: bool,
+
+    /// Board that the monitor runs on
+    #[arg(long, value_parser = by_name(limits::BOARDS), default_value = "f405", requires = "limits")]
+    board: Core,
 
     /// Records before a pause of the logger, a step of time ten times as long as the usual one, in the summary
     #[arg(long, value_parser = by_name(PAUSES), default_value = "end", requires = "summary")]
