@@ -3,6 +3,7 @@
 use crate::cross::{self, Missing, output};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use defmt_decoder::{DecodeError, Table};
+use object::{Object, ObjectSection, ObjectSymbol};
 use std::fs;
 use std::io::{self, Read, Write};
 use std::net::TcpListener;
@@ -67,6 +68,28 @@ impl Firmware {
         Ok(Self { path, elf })
     }
 
+    /// The same, whose stack has so many bytes alone.
+    ///
+    /// # Errors
+    ///
+    /// It is no firmware, or cannot be written.
+    pub fn with_stack(&self, bytes: u32) -> Result<Self> {
+        let file = object::File::parse(&*self.elf)?;
+        let end = file.symbols().find(|of| of.name() == Ok("_stack_end"));
+        let end = end.context("the firmware does not say where its stack ends")?;
+        let vectors = file.section_by_name(".vector_table");
+        let (at, _) = vectors
+            .and_then(|section| section.file_range())
+            .context("the firmware has no vectors")?;
+        // The first of them is where the stack begins.
+        let mut elf = self.elf.clone();
+        let start = (end.address() as u32 + bytes).to_le_bytes();
+        elf.splice(at as usize..at as usize + start.len(), start);
+        let path = self.path.with_extension("short");
+        fs::write(&path, &elf).with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { path, elf })
+    }
+
     /// The table that turns its log back into text.
     ///
     /// # Errors
@@ -106,6 +129,9 @@ pub struct Board {
 
 /// End of the line of a board that starts again, after a panic or a fault.
 pub const AGAIN: &str = "starting again";
+
+/// Lines of a log among which one is waited for: those of some starts.
+const MOST_LINES: usize = 50;
 
 /// Longest silence of a board that runs.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -207,13 +233,14 @@ impl Board {
         bytes.map_err(|error| self.post_mortem(error))
     }
 
-    /// Waits for the first line of the log.
+    /// Waits for a line of the log that begins so.
     ///
     /// # Errors
     ///
-    /// The board is silent, or the emulator has stopped; the log is none of this firmware.
-    pub fn wait_for_log(&mut self, log: &mut Log<'_>) -> Result<()> {
-        while log.lines.is_empty() {
+    /// The board is silent, says much else, or the emulator has stopped; the log is none of this firmware.
+    pub fn wait_for_line(&mut self, log: &mut Log<'_>, line: &str) -> Result<()> {
+        while !log.lines.iter().any(|said| said.starts_with(line)) {
+            ensure!(log.lines.len() < MOST_LINES, "the board never says: {line}");
             let bytes = self.log.recv_timeout(PATIENCE);
             log.take(&bytes.map_err(|error| self.post_mortem(error))?)?;
         }

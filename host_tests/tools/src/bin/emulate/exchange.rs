@@ -72,7 +72,7 @@ pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<
     let mut log = Log::new(&table);
     let mut board = Board::start(firmware)?;
     // A port that is not open yet takes no bytes.
-    board.wait_for_log(&mut log)?;
+    board.wait_for_line(&mut log, "")?;
     board.send(&plan.input);
     let mut out: Box<dyn Write> = match tee {
         Some(_) => Box::new(io::sink()),
@@ -120,6 +120,19 @@ pub fn run(plan: &Plan, firmware: &Firmware, tee: Option<Tee>) -> Result<Option<
         unused_stack: unused_stack(&log.lines)?,
         log: log.lines,
     }))
+}
+
+/// Bytes of a stack that the firmware's start runs over, and that its first lines of log do not.
+const SHORT: u32 = 4096;
+
+/// Fails unless a board whose stack is too short says so, and says it again at its next start.
+pub fn overrun(firmware: &Firmware) -> Result<()> {
+    let short = firmware.with_stack(SHORT)?;
+    let table = short.messages()?;
+    let mut log = Log::new(&table);
+    let mut board = Board::start(&short)?;
+    board.wait_for_line(&mut log, "the stack is used up")?;
+    board.wait_for_line(&mut log, "the stack was used up before this start")
 }
 
 /// The first frame in which the board and the host differ.

@@ -76,7 +76,7 @@ struct Arguments {
     #[arg(long, value_name = "S", value_parser = positive)]
     seconds: Option<f64>,
 
-    /// Inject faults, and hold the summary against the golden file
+    /// Inject faults, and hold the summary against the golden file. Besides, a board with a short stack must say that it runs over
     #[arg(long)]
     faults: bool,
 
@@ -171,6 +171,9 @@ fn golden(arguments: &Arguments) -> Option<PathBuf> {
 }
 
 fn run(arguments: &Arguments, plan: &Plan, firmware: &Firmware) -> Result<()> {
+    if arguments.faults {
+        exchange::overrun(firmware)?;
+    }
     let answer = if arguments.view {
         // The view draws at the pace of the recording; the board may be ahead of it.
         let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
