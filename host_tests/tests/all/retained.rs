@@ -684,7 +684,8 @@ fn shipped(changes: &[(&str, &str)]) -> Identity {
     Identity::of(file.bearings_checksum(), file.displacements_checksum())
 }
 
-/// As firmware keeps its life that is built anew: these numbers change with the shipped spindle alone.
+/// Firmware that is built again keeps the life: these numbers change with the shipped spindle alone. They were worked out by
+/// `zlib.crc32` of Python, of the file's numbers as single floats.
 #[test]
 fn the_shipped_spindle_has_this_identity() {
     let identity = Identity::of(0xf9a2_cded, 0x497e_093e);
