@@ -17,6 +17,12 @@ use std::io::{self, Write};
 /// Names of the five freedoms in column names.
 const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
+/// Names of the five columns of a matrix's diagonal.
+fn of_diagonal(matrix: &str) -> Vec<String> {
+    let names = FREEDOMS.iter().map(|i| format!("{matrix}_{i}_{i}"));
+    names.collect()
+}
+
 /// Names of the 25 columns of a matrix.
 fn of_pairs(matrix: &str) -> Vec<String> {
     let pairs = (0..25).map(|i| (FREEDOMS[i / 5], FREEDOMS[i % 5]));
@@ -45,7 +51,7 @@ pub enum Table {
     Results,
     /// Load, preload, least contact force, stiffness and motion of every row of a spindle.
     Rows,
-    /// Displacement and flexibility of every nose.
+    /// Displacement and compliance of every nose.
     Noses,
     /// State of every ball.
     Balls,
@@ -98,8 +104,8 @@ impl Table {
                 );
                 if file.nose().is_some() {
                     // It is the first nose.
-                    let stiffness = Figure::AtNose(|at, i| at.stiffness[i / 5][i % 5]);
-                    add(&texts(&of_pairs("k_nose")), stiffness, parts::AT);
+                    let stiffness = Figure::AtNose(|at, i| 1.0 / at.compliance[i][i]);
+                    add(&texts(&of_diagonal("k_nose")), stiffness, parts::AT);
                 }
                 add(&["limits"], Figure::Limits, parts::LIMITS);
                 let names = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm", "speed_rpm"];

@@ -106,7 +106,7 @@ pub struct AtEnd {
     pub displacement: [f64; 5],
     /// Estimated relative error of the displacement.
     pub displacement_error: f64,
-    /// Stiffness.
+    /// Stiffness, each column with all other displacements held: one over the compliance is what a force alone meets.
     pub stiffness: [[f64; 5]; 5],
     /// Compliance.
     pub compliance: [[f64; 5]; 5],

@@ -10,7 +10,7 @@ use core::array::from_fn;
 /// Time from one load to the next, us: all five within a second.
 pub(crate) const ACCURACY_US: u32 = 200_000;
 
-/// Changes of the nose's translations (m) and of the largest contact force (N), and relative ones of the stiffness's diagonal.
+/// Changes of the nose's translations (m) and of the largest contact force (N), and relative ones of the stiffness at the nose.
 type Changes = [f32; 9];
 
 /// Changes of an estimate by each load's accuracy.

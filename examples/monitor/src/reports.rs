@@ -18,7 +18,7 @@ use crate::telemetry::{
 use crate::tracker::{Purpose, Solved, Task};
 use core::array::from_fn;
 use heapless::Vec;
-use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status, compliance};
+use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status};
 
 /// Time from one hello to the next, us: for hosts that join in later.
 const HELLO_US: u32 = 60_000_000;
@@ -447,16 +447,13 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     opposed: bool,
     shaft: &ShaftSettings,
 ) -> EstimateReport {
-    let mut k = solution.stiffness_at(shaft.nose);
+    let (mut compliance, mut errors) = solution.compliance_with_error_at(shaft.nose);
     for (i, by) in shaft.flexibility.into_iter().enumerate() {
-        if by > 0.0 {
-            // A spring in series.
-            let (rigid, taken) = (k, by / (1.0 + by * k[i][i]));
-            k = from_fn(|r| from_fn(|c| rigid[r][c] - rigid[r][i] * taken * rigid[i][c]));
-        }
+        let of_rows = compliance[i][i];
+        compliance[i][i] += by;
+        errors[i] *= of_rows / compliance[i][i];
     }
-    let compliance = compliance(&k);
-    let (row, column) = strongest_coupling(&k);
+    let (row, column) = strongest_coupling(&compliance);
     let (mut least, mut largest, mut limits) = (f32::INFINITY, 0.0_f32, 0);
     for row in rows {
         least = least.min(row.inner_force[0]);
@@ -472,9 +469,8 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
         load: task.sample.load,
         speed: task.sample.speed,
         displacement: solution.displacement_at(shaft.nose),
-        stiffness: from_fn(|i| k[i][i]),
-        nose: from_fn(|i| 1.0 / compliance[i][i]),
-        coupling: k[row][column],
+        stiffness: from_fn(|i| 1.0 / compliance[i][i]),
+        coupling: (1.0 / compliance[row][column]).clamp(f32::MIN, f32::MAX),
         coupling_row: row as u8,
         coupling_column: column as u8,
         least_force: least,
@@ -483,7 +479,10 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
         error: [
             solution.error.displacement,
             solution.error.force,
-            solution.error.stiffness,
+            errors.into_iter().fold(
+                0.0,
+                |most, error| if error < 1.0 { error.max(most) } else { 1.0 },
+            ),
         ],
         limits,
         ..EstimateReport::NONE
@@ -511,18 +510,18 @@ fn ball_report(ball: &BallState<f32>) -> BallReport {
     }
 }
 
-/// Factor by which `Kij^2 / |Kii Kjj|` must exceed an earlier element's: a per cent of its root.
+/// Factor by which `Cij^2 / |Cii Cjj|` must exceed an earlier element's: a per cent of its root.
 const CLEARLY: f32 = 1.02;
 
-/// Row and column of the off-diagonal element that couples most; x, y if nothing couples.
-fn strongest_coupling(k: &[[f32; 5]; 5]) -> (usize, usize) {
+/// Row and column of the off-diagonal element of a compliance that couples most; x, y if nothing couples.
+fn strongest_coupling(c: &[[f32; 5]; 5]) -> (usize, usize) {
     let mut place = (0, 1);
     let mut strongest: f32 = 0.0;
-    let per: [f32; 5] = from_fn(|i| 1.0 / k[i][i].abs());
+    let per: [f32; 5] = from_fn(|i| 1.0 / c[i][i].abs());
     for i in 0..5 {
         for j in 0..5 {
-            let ratio = (k[i][j] * per[i]) * (k[i][j] * per[j]);
-            // False for 0/0, too: a direction without stiffness couples with nothing.
+            let ratio = (c[i][j] * per[i]) * (c[i][j] * per[j]);
+            // False for 0/0, too: a direction that does not move couples with nothing.
             if i != j && ratio > CLEARLY * strongest {
                 strongest = ratio;
                 place = (i, j);
@@ -537,19 +536,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coupling_is_judged_relative_to_the_stiffnesses_it_joins() {
-        let mut k = [[0.0; 5]; 5];
-        for (i, row) in k.iter_mut().enumerate() {
-            row[i] = if i < 3 { 1e8 } else { 1e3 };
+    fn coupling_is_judged_relative_to_the_compliances_it_joins() {
+        let mut c = [[0.0; 5]; 5];
+        for (i, row) in c.iter_mut().enumerate() {
+            row[i] = if i < 3 { 1e-8 } else { 1e-3 };
         }
-        assert_eq!(strongest_coupling(&k), (0, 1));
-        k[1][2] = 1e6;
-        k[4][1] = -1e5;
-        assert_eq!(strongest_coupling(&k), (4, 1));
-        k[1][4] = -0.999e5;
-        assert_eq!(strongest_coupling(&k), (1, 4));
-        k[4] = [0.0; 5];
-        k[1][4] = 0.0;
-        assert_eq!(strongest_coupling(&k), (1, 2));
+        assert_eq!(strongest_coupling(&c), (0, 1));
+        c[1][2] = 1e-10;
+        c[4][1] = -1e-6;
+        assert_eq!(strongest_coupling(&c), (4, 1));
+        c[1][4] = -0.999e-6;
+        assert_eq!(strongest_coupling(&c), (1, 4));
+        c[4] = [0.0; 5];
+        c[1][4] = 0.0;
+        assert_eq!(strongest_coupling(&c), (1, 2));
     }
 }

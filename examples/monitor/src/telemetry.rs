@@ -102,17 +102,16 @@ pub struct EstimateReport {
     pub load: [f32; 5],
     /// Shaft speed `omega` of the estimate, rad/s.
     pub speed: f32,
-    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the rigid shaft at its nose.
+    /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft at its nose, less what a flexible end yields by itself.
     pub displacement: [f32; 5],
-    /// Diagonal of the stiffness at the nose: `Kxx, Kyy, Kzz` (N/m), `Ktyty, Ktztz` (N m/rad).
+    /// Stiffness at the nose, what a dial gauge there finds: `1 / C_ii` of the compliance `C`, N/m and N m/rad. One force or
+    /// moment acts, all other displacements and tilts are free.
     pub stiffness: [f32; 5],
-    /// Stiffness against a force at the nose along x, y and z, N/m. The shaft tilts freely, and yields by itself.
-    pub nose: [f32; 3],
-    /// The off-diagonal stiffness that couples most.
+    /// `1 / C_ij` of the element that couples most: the load along `j` per motion along `i`. `f32::MAX` if nothing couples.
     pub coupling: f32,
-    /// Its row, 0 for x to 4 for the tilt about z.
+    /// Its row `i`, 0 for x to 4 for the tilt about z.
     pub coupling_row: u8,
-    /// Its column.
+    /// Its column `j`.
     pub coupling_column: u8,
     /// Smallest contact force on the inner race, N; 0 if a ball is off that race.
     pub least_force: f32,
@@ -122,8 +121,8 @@ pub struct EstimateReport {
     pub status: Status<f32>,
     /// Iterations of the estimate.
     pub iterations: u16,
-    /// Estimated relative errors of displacement, contact forces and stiffness: the solver's, and that by the accuracy of the
-    /// loads. Where one is 1 or more, nothing is known.
+    /// Estimated relative errors of displacement, contact forces and the worst of `stiffness`: the solver's, and that by the
+    /// accuracy of the loads. Where one is 1 or more, nothing is known.
     pub error: [f32; 3],
     /// Physical limits that were passed, one bit each ([`bit_of`]), and [`LIFT_OFF`].
     pub limits: u8,
@@ -138,7 +137,6 @@ impl EstimateReport {
         speed: 0.0,
         displacement: [0.0; 5],
         stiffness: [0.0; 5],
-        nose: [0.0; 3],
         coupling: 0.0,
         coupling_row: 0,
         coupling_column: 1,
@@ -412,7 +410,6 @@ mod tests {
             speed: f32::MAX,
             displacement: [f32::MAX; 5],
             stiffness: [f32::MAX; 5],
-            nose: [f32::MAX; 3],
             coupling: f32::MAX,
             coupling_row: u8::MAX,
             coupling_column: u8::MAX,

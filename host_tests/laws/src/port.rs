@@ -444,12 +444,11 @@ impl Bench {
 }
 
 fn assert_numbers(report: &EstimateReport) {
-    let stiffness = report.stiffness.iter().chain(&report.nose);
     let figures = report
         .load
         .iter()
         .chain(&report.displacement)
-        .chain(stiffness);
+        .chain(&report.stiffness);
     let single = [
         report.speed,
         report.coupling,
@@ -464,7 +463,10 @@ fn assert_numbers(report: &EstimateReport) {
         "{report:?}"
     );
     assert!(
-        report.nose.into_iter().all(|stiffness| stiffness > 0.0),
+        report
+            .stiffness
+            .into_iter()
+            .all(|stiffness| stiffness > 0.0),
         "{report:?}"
     );
     assert!(report.age > 0 || report.marks.is_empty(), "{report:?}");

@@ -12,7 +12,7 @@ use spindle_monitor::telemetry::{
     encode,
 };
 
-/// An estimate with this axial stiffness, N/m.
+/// An estimate with this axial stiffness at the nose, N/m.
 pub fn estimate(stiffness: f32) -> EstimateReport {
     EstimateReport {
         age: 0,
@@ -20,8 +20,7 @@ pub fn estimate(stiffness: f32) -> EstimateReport {
         load: [250.0, 120.0, -40.0, 0.2, 0.1],
         speed: 1256.6,
         displacement: [1e-5, 2e-6, -1e-6, 1e-5, -2e-5],
-        stiffness: [stiffness, 4.0 * stiffness, 4.5 * stiffness, 8e3, 9e3],
-        nose: [stiffness, 0.5 * stiffness, 0.6 * stiffness],
+        stiffness: [stiffness, 0.5 * stiffness, 0.6 * stiffness, 8e3, 9e3],
         coupling: 1e6,
         coupling_row: 0,
         coupling_column: 1,

@@ -21,7 +21,7 @@ pub const HISTORY: usize = 6000;
 pub struct Point {
     /// Time of the monitor, s.
     pub time: f64,
-    /// Diagonal of the stiffness, N/m and N m/rad.
+    /// Stiffness at the nose, N/m and N m/rad.
     pub stiffness: [f32; 5],
     /// The sample behind it was good, and it was solved: the estimate is none of an earlier tick.
     pub trusted: bool,
@@ -70,7 +70,7 @@ pub fn words(order: &Order) -> String {
     }
 }
 
-/// The last report of each kind, and the course of the stiffness.
+/// The last report of each kind, and the course of the stiffness at the nose.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct State {
     /// Latest time of any frame, us.

@@ -31,6 +31,7 @@ mod monitor;
 mod monitor_keys;
 mod motions;
 mod net;
+mod nose;
 mod precision;
 mod receiver;
 mod recordings;

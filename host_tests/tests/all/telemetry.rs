@@ -276,12 +276,13 @@ fn damage_has_a_line_of_its_own_and_a_gap_is_in_the_line_after_it() {
 fn a_line_that_is_no_frame_is_a_damaged_piece() {
     let line_of = |payload| lines(&decoded(&encode(&frame(0, payload))).0).remove(0);
     let line = &line_of(Payload::Health(health()));
+    let version = |of| format!("\"version\":{of}");
     assert_eq!(decoded(&json::bytes(line)).1.tally().frames, 1);
     // No such payload, no such number, another version, and a number that is not finite.
     for (from, to) in [
         ("health", "wealth"),
         ("1000", "-1000"),
-        ("\"version\":10", "\"version\":9"),
+        (&version(VERSION), &version(VERSION - 1)),
         ("\"life_used\":0.0", "\"life_used\":null"),
     ] {
         assert!(line.contains(from));

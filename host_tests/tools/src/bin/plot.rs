@@ -44,7 +44,7 @@ struct Args {
     #[arg(long, value_enum, default_value_t = Over::Time)]
     over: Over,
 
-    /// Stiffness at the nose of a spindle, in place of that at x = 0
+    /// Stiffness at the nose of a spindle, 1 over the compliance there, in place of that at x = 0
     #[arg(long)]
     nose: bool,
 
@@ -140,8 +140,12 @@ fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
             "--time is for a file of balls, and this one holds results"
         );
         match args.over {
-            Over::Time => over_time(&results(&mut table, args.nose)?)?,
-            over => over_given(&results(&mut table, args.nose)?, over as usize - 1)?,
+            Over::Time => over_time(&results(&mut table, args.nose)?, args.nose)?,
+            over => over_given(
+                &results(&mut table, args.nose)?,
+                args.nose,
+                over as usize - 1,
+            )?,
         }
     } else if table.has("azimuth_rad") {
         let for_results = args.over != Over::Time || args.nose;
@@ -248,8 +252,17 @@ struct Row {
     time: f64,
     /// Speed in 1000 rpm, Fx, Fy, Fz, My, Mz, temperatures: as in [`GIVEN`].
     given: [f64; GIVEN.len()],
-    /// Diagonal: N/µm, then kN m/rad.
+    /// Diagonal at x = 0, or at the nose 1 over that of the compliance: N/µm, then kN m/rad.
     stiffness: [f64; 5],
+}
+
+/// Stiffness of a picture.
+const fn stiffness(nose: bool) -> &'static str {
+    if nose {
+        "stiffness at the nose"
+    } else {
+        "stiffness"
+    }
 }
 
 fn results(table: &mut Table, nose: bool) -> Result<Vec<Row>> {
@@ -296,7 +309,7 @@ fn results(table: &mut Table, nose: bool) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-fn over_time(rows: &[Row]) -> Result<Chart> {
+fn over_time(rows: &[Row], nose: bool) -> Result<Chart> {
     type Named = (&'static str, fn(&Row) -> f64);
     const RADIAL: [Named; 2] = [("y", |row| row.stiffness[1]), ("z", |row| row.stiffness[2])];
     const TILT: [Named; 2] = [("y", |row| row.stiffness[3]), ("z", |row| row.stiffness[4])];
@@ -307,13 +320,9 @@ fn over_time(rows: &[Row]) -> Result<Chart> {
     const PANELS: [(&str, &str, &[Named]); 5] = [
         ("Shaft speed", "1000 rpm", &[("", |row| row.given[0])]),
         ("Load", "N", &LOAD),
-        ("Radial stiffness", "N/µm", &RADIAL),
-        (
-            "Axial stiffness",
-            "N/µm",
-            &[("axial", |row| row.stiffness[0])],
-        ),
-        ("Tilt stiffness", "kN m/rad", &TILT),
+        ("Radial", "N/µm", &RADIAL),
+        ("Axial", "N/µm", &[("axial", |row| row.stiffness[0])]),
+        ("Tilt", "kN m/rad", &TILT),
     ];
     let first = rows[0].time;
     let moves = rows.iter().any(|row| row.time != first);
@@ -321,16 +330,21 @@ fn over_time(rows: &[Row]) -> Result<Chart> {
         moves,
         "all rows have the time {first} s, nothing to draw over time"
     );
-    let panels = PANELS.iter().map(|(title, unit, curves)| {
+    let panels = PANELS.iter().enumerate().map(|(i, (title, unit, curves))| {
+        let of = if i < 2 {
+            String::new()
+        } else {
+            format!(" {}", stiffness(nose))
+        };
         let curves = curves.iter().flat_map(|(name, value)| {
             let points: Vec<_> = rows.iter().map(|row| (row.time, value(row))).collect();
             means(name, &points)
         });
-        Panel::new(title, "", unit, curves.collect())
+        Panel::new(&format!("{title}{of}"), "", unit, curves.collect())
     });
     let mut panels: Vec<_> = panels.collect();
     panels[4].x = Axis::new("time / s");
-    let mut title = "stiffness over time".to_owned();
+    let mut title = format!("{} over time", stiffness(nose));
     let together = rows.len().div_ceil(MOST_POINTS);
     if together > 1 {
         title += &format!("; lines: means of {together} rows; bands: least to largest");
@@ -398,13 +412,13 @@ fn banded(name: &str, spans: &[(f64, [f64; 3])]) -> Vec<Curve> {
 }
 
 /// Stiffness over one of the quantities that are [`GIVEN`], a curve for each combination of the others.
-fn over_given(rows: &[Row], over: usize) -> Result<Chart> {
-    const PANELS: [(&str, &str, usize); 5] = [
-        ("Radial stiffness K_yy", "N/µm", 1),
-        ("Radial stiffness K_zz", "N/µm", 2),
-        ("Tilt stiffness K_ty,ty", "kN m/rad", 3),
-        ("Tilt stiffness K_tz,tz", "kN m/rad", 4),
-        ("Axial stiffness K_xx", "N/µm", 0),
+fn over_given(rows: &[Row], nose: bool, over: usize) -> Result<Chart> {
+    const PANELS: [(&str, &str, &str, usize); 5] = [
+        ("Radial", "yy", "N/µm", 1),
+        ("Radial", "zz", "N/µm", 2),
+        ("Tilt", "ty,ty", "kN m/rad", 3),
+        ("Tilt", "tz,tz", "kN m/rad", 4),
+        ("Axial", "xx", "N/µm", 0),
     ];
     let (_, unit, axis) = GIVEN[over];
     let is_there = |row: &Row| row.given[over].is_finite();
@@ -443,7 +457,8 @@ fn over_given(rows: &[Row], over: usize) -> Result<Chart> {
         said.collect::<Vec<_>>().join(", ")
     };
     let title = format!(
-        "stiffness over {}, {}",
+        "{} over {}, {}",
+        stiffness(nose),
         if over == 0 { "speed" } else { axis },
         name(rows[0], false)
     );
@@ -456,12 +471,14 @@ fn over_given(rows: &[Row], over: usize) -> Result<Chart> {
         (groups, style) = (vec![(format!("one row of {step}"), some)], Style::Dots);
     }
     let along = format!("{axis} / {unit}");
-    let panels = PANELS.iter().map(|&(title, unit, i)| {
+    let symbol = if nose { "1/c" } else { "K" };
+    let panels = PANELS.iter().map(|&(title, freedom, unit, i)| {
         let curves = groups.iter().map(|(name, rows)| {
             let points = rows.iter().map(|row| (row.given[over], row.stiffness[i]));
             Curve::new(name, style, points.collect())
         });
-        Panel::new(title, &along, unit, curves.collect())
+        let title = format!("{title} {} {symbol}_{freedom}", stiffness(nose));
+        Panel::new(&title, &along, unit, curves.collect())
     });
     let title = title.trim_end_matches(", ");
     Ok(Chart::new(title, 2, panels.collect()))

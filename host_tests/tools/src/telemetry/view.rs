@@ -37,7 +37,7 @@ const WORST: Color = Color::Red;
 const UNLOADED: Color = Color::Yellow;
 const FAINT: Color = Color::DarkGray;
 
-/// Names and colours of the stiffness' diagonal.
+/// Names and colours of the stiffness at the nose.
 const DIRECTIONS: [(&str, Color); 5] = [
     ("Kx", Color::Yellow),
     ("Ky", Color::Cyan),
@@ -116,7 +116,7 @@ fn header(state: &State) -> Vec<Line<'static>> {
     };
     let rpm = f64::from(report.speed) * 30.0 / core::f64::consts::PI;
     let [fx, fy, fz, my, mz] = report.load;
-    let [kx, ky, kz] = report.nose.map(|k| k * 1e-6);
+    let [kx, ky, kz, ..] = report.stiffness.map(|k| k * 1e-6);
     let loads = format!(
         "   {rpm:6.0} rpm   F = {fx:.0}, {fy:.0}, {fz:.0} N   M = {my:.2}, {mz:.2} N m   \
          nose {kx:.0}, {ky:.0}, {kz:.0} N/um"
@@ -205,7 +205,7 @@ fn round_up(x: f64) -> f64 {
     power * (x / power * (1.0 - 1e-12)).ceil()
 }
 
-/// Some elements of the stiffness over time, and their last values.
+/// Some of the stiffness at the nose over time, and the last values.
 fn course(
     state: &State,
     unit_name: &str,
@@ -223,7 +223,7 @@ fn course(
     let points: Vec<_> = points
         .filter(|point| point.trusted && point.time >= start)
         .collect();
-    let mut title = vec![Span::raw(" ")];
+    let mut title = vec![Span::raw(" at the nose: ")];
     let mut highest: f64 = 0.0;
     let mut lines = Vec::new();
     for i in elements {

@@ -2,10 +2,10 @@
 
 use spindle_monitor::telemetry::EstimateReport;
 
-/// Names of the five freedoms, in the order of the stiffness matrix.
+/// Names of the five freedoms, in their order.
 const DIRECTIONS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
 
-/// Heads of the columns, names over units.
+/// Heads of the columns, names over units. Stiffness and coupling are those at the nose, 1 over the compliance there.
 pub const HEADER: &str = "    time   speed      Kx      Ky      Kz     Kty     Ktz   coupling of     Q least Q largest  iter. age\n\
     \x20      s     rpm    N/um    N/um    N/um kNm/rad kNm/rad         SI              N         N            status, limits passed, doubts";
 

@@ -402,7 +402,9 @@ Results, one row for each row of LOADS.csv, SI units:
   iterations      passes over all balls that the solve took
   dx_m .. tz_rad  displacement of the inner ring, or of the shaft at x = 0
   k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz
-  k_nose_x_x ..   of a spindle with [nose], the stiffness there
+  k_nose_x_x k_nose_y_y k_nose_z_z k_nose_ty_ty k_nose_tz_tz
+                  of a spindle with [nose], the stiffness that a force or moment alone meets
+                  there: 1 over the compliance, as a dial gauge finds it
   limits          physical limits that are passed, a blank between two of them; empty if none is:
                   peak-pressure (of a contact); shoulder (a contact's centre is past it); truncation
                   (of a contact ellipse by the shoulder); reversal (of a contact angle); friction
