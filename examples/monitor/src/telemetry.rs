@@ -372,6 +372,7 @@ mod tests {
     use super::*;
     use crate::board::{Check, ResetCause};
     use crate::command::{AnswerCode, Order};
+    use crate::marks::Mark;
     use crate::response::{Ratio, State};
     use crate::retained::Recovery;
     use enumset::EnumSet;
@@ -669,73 +670,233 @@ mod tests {
         assert_eq!(LIFT_OFF, 64);
     }
 
-    /// The bytes that a decoder in another language has to expect.
+    /// Bytes of numbers of four bytes.
+    fn floats<const K: usize>(numbers: [f32; K]) -> Bytes<u8> {
+        numbers.map(f32::to_le_bytes).concat()
+    }
+
+    /// The bytes that a decoder in another language has to expect of every payload. Other bytes are a new [`VERSION`].
     #[test]
-    fn the_wire_format_is_that_of_version_8() {
-        let frame = Frame {
-            version: 8,
-            sequence: 300,
-            time_us: 5,
-            payload: Payload::Alarm(AlarmReport {
-                alarm: Alarm::PreloadLoss,
-                change: AlarmChange::Raised,
-                state: AlarmState::Raised,
-                value: 1.0,
-                limit: 0.5,
-                place: None,
-                start: 300,
-                raised: 1,
-                cleared: 0,
-            }),
+    fn the_wire_format_of_every_payload_is_that_of_its_version() {
+        let estimate = Payload::Estimate(EstimateReport {
+            age: 300,
+            marks: Mark::Stuck | Mark::SpeedStuck,
+            load: [1.0, 2.0, 3.0, 4.0, 5.0],
+            speed: 6.0,
+            displacement: [7.0, 8.0, 9.0, 10.0, 11.0],
+            stiffness: [12.0, 13.0, 14.0, 15.0, 16.0],
+            coupling: 17.0,
+            coupling_row: 4,
+            coupling_column: 200,
+            least_force: 18.0,
+            largest_force: 19.0,
+            status: Status::Unseated {
+                ball: 300,
+                apart: 20.0,
+            },
+            iterations: 301,
+            error: [21.0, 22.0, 23.0],
+            limits: 0x81,
+        });
+        let of_estimate = [
+            &[0xac, 0x02, 0x88, 0x80, 0x20],
+            &*floats([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0]),
+            &floats([12.0, 13.0, 14.0, 15.0, 16.0, 17.0]),
+            &[4, 200],
+            &floats([18.0, 19.0]),
+            &[3, 0xac, 0x02],
+            &floats([20.0]),
+            &[0xad, 0x02],
+            &floats([21.0, 22.0, 23.0]),
+            &[0x81],
+        ]
+        .concat();
+        let ball = BallReport {
+            q_i: 1.0,
+            q_o: 2.0,
+            alpha_i: 3.0,
+            alpha_o: 4.0,
         };
-        let mut bytes = [0; 64];
-        let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-        let expected = [
-            8, 0xac, 0x02, 5, 2, 5, 0, 2, 0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0xac, 0x02, 1, 0,
-        ];
-        assert_eq!(bytes, expected);
+        let balls = Payload::Balls(BallsReport {
+            row: 200,
+            first: 300,
+            count: 301,
+            first_azimuth: 5.0,
+            balls: Vec::from_iter([ball]),
+        });
+        let of_balls = [
+            &[200, 0xac, 0x02, 0xad, 0x02],
+            &*floats([5.0]),
+            &[1],
+            &floats([1.0, 2.0, 3.0, 4.0]),
+        ]
+        .concat();
+        let alarm = Payload::Alarm(AlarmReport {
+            alarm: Alarm::PreloadLoss,
+            change: AlarmChange::Cleared,
+            state: AlarmState::Acknowledged,
+            value: 1.0,
+            limit: 0.5,
+            place: Some(300),
+            start: 302,
+            raised: 301,
+            cleared: 2,
+        });
+        let of_alarm = [
+            &[5, 1, 3],
+            &*floats([1.0, 0.5]),
+            &[1, 0xac, 0x02, 0xae, 0x02, 0xad, 0x02, 2],
+        ]
+        .concat();
+        let health = Payload::Health(HealthReport {
+            ticks: 300,
+            overruns: 1,
+            missed_ticks: 2,
+            estimates: 3,
+            refusals: 4,
+            marked_samples: 5,
+            alarms_raised: 6,
+            alarms_cleared: 7,
+            frames_dropped: 8,
+            most_cycles: 301,
+            revolutions: 9,
+            life_used: 1.0,
+            marks: Marks::only(Mark::Range),
+            retention: RetentionReport {
+                recovery: Recovery::Recovered,
+                references: Recovery::OtherSpindle,
+                damaged: 302,
+                written: 10,
+                failed: 11,
+            },
+            availability: 2.0,
+            records: FrameCounts {
+                received: 12,
+                corrupt: 13,
+                lost: 14,
+                disordered: 15,
+                passed_over: 16,
+                late: 17,
+            },
+            doubtful_revolutions: 18,
+            life_estimated: 3.0,
+            temperatures: [4.0, 5.0],
+            temperature_sources: [TemperatureSource::Measured, TemperatureSource::Assumed],
+        });
+        let of_health = [
+            &[0xac, 0x02, 1, 2, 3, 4, 5, 6, 7, 8, 0xad, 0x02, 9],
+            &*floats([1.0]),
+            &[2, 2, 3, 0xae, 0x02, 10, 11],
+            &floats([2.0]),
+            &[12, 13, 14, 15, 16, 17, 18],
+            &floats([3.0, 4.0, 5.0]),
+            &[1, 3],
+        ]
+        .concat();
+        let answer = Payload::Answer(Answer {
+            number: 300,
+            order: Order::Acknowledge {
+                alarm: Alarm::Probe,
+                start: 302,
+                raised: 301,
+            },
+            outcome: AnswerCode::TooFewSteps,
+        });
+        let of_answer = [0xac, 0x02, 0, 14, 0xae, 0x02, 0xad, 0x02, 4].to_vec();
+        let row = RowReport {
+            axial: 1.0,
+            radial: [2.0, 3.0],
+            preload: 4.0,
+            least_force: 5.0,
+            largest_force: 6.0,
+            frequencies: frequencies([7.0, 8.0, 9.0, 10.0]),
+        };
+        let rows = Payload::Rows(RowsReport {
+            first: 4,
+            count: 200,
+            rows: Vec::from_iter([row]),
+        });
+        let of_rows = [
+            &[4, 200, 1],
+            &*floats([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0]),
+        ]
+        .concat();
         let place = RowPlace {
             position: -0.5,
             mirrored: true,
             balls: 300,
         };
-        let shaft = ShaftReport {
-            nose: 1.0,
-            loads_at: 0.5,
-            preload: 0.0,
-            count: 1,
-            rows: Vec::from_iter([place]),
-        };
-        let frame = Frame {
-            payload: Payload::Hello(HelloReport {
-                shaft,
-                ..HelloReport::default()
-            }),
-            ..frame
-        };
-        let mut bytes = [0; 64];
-        let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-        let (start, board) = ([&[0, 7, 0][..], &[0; Alarm::COUNT]].concat(), [0; 4]);
-        let expected = [
-            &[8, 0xac, 0x02, 5, 6],
-            &start[..],
-            &board,
-            &[0, 0, 0x80, 0x3f, 0, 0, 0, 0x3f, 0, 0, 0, 0, 1],
-            &[1, 0, 0, 0, 0xbf, 1, 0xac, 0x02],
+        let hello = Payload::Hello(HelloReport {
+            start: StartReport {
+                boots: 300,
+                cause: ResetCause::Watchdog,
+                alarms: EnumSet::only(Alarm::LifeUsed),
+                raised: core::array::from_fn(|i| 200 + i as u8),
+            },
+            board: BoardReport {
+                known_answer: Check::Passed,
+                image: Check::Failed,
+                unused_stack: Some(301),
+                brown_out: Some(200),
+            },
+            shaft: ShaftReport {
+                nose: 1.0,
+                loads_at: 0.5,
+                preload: 2.0,
+                count: 1,
+                rows: Vec::from_iter([place]),
+            },
+        });
+        let of_hello = [
+            &[0xac, 0x02, 3, 0x80, 0x01],
+            &(200..215).collect::<Bytes<u8>>()[..],
+            &[2, 3, 1, 0xad, 0x02, 1, 200],
+            &floats([1.0, 0.5, 2.0]),
+            &[1, 1],
+            &floats([-0.5]),
+            &[1, 0xac, 0x02],
         ]
         .concat();
-        assert_eq!(bytes, expected);
-        let row = RowReport {
-            axial: 1.0,
-            radial: [0.5, 0.0],
-            preload: 1.0,
-            least_force: 0.0,
-            largest_force: 0.5,
-            frequencies: frequencies([1.0, 0.5, 2.0, 4.0]),
+        let probe = ProbeReport {
+            state: State::StiffnessLoss,
+            ratio: Some(Ratio {
+                value: 1.0,
+                error: 0.5,
+            }),
+            steps: 300,
+            age: 301,
         };
-        let mut bytes = [0; 64];
-        let bytes = postcard::to_slice(&row, &mut bytes).unwrap();
-        let numbers: [f32; 10] = [1.0, 0.5, 0.0, 1.0, 0.0, 0.5, 1.0, 0.5, 2.0, 4.0];
-        assert_eq!(bytes, numbers.map(f32::to_le_bytes).concat());
+        let probes = Payload::Probes(ProbesReport {
+            fault: Some(Fault::Support(200)),
+            aliased: true,
+            probes: Vec::from_iter([probe]),
+        });
+        let of_probes = [
+            &[1, 2, 200, 1, 1, 2, 1],
+            &*floats([1.0, 0.5]),
+            &[0xac, 0x02, 0xad, 0x02],
+        ]
+        .concat();
+        for (number, payload, content) in [
+            (0, estimate, of_estimate),
+            (1, balls, of_balls),
+            (2, alarm, of_alarm),
+            (3, health, of_health),
+            (4, answer, of_answer),
+            (5, rows, of_rows),
+            (6, hello, of_hello),
+            (7, probes, of_probes),
+        ] {
+            let frame = Frame {
+                version: VERSION,
+                sequence: 300,
+                time_us: 5,
+                payload,
+            };
+            let mut bytes = [0; MESSAGE_LENGTH];
+            let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
+            let expected = [&[10, 0xac, 0x02, 5, number], &*content].concat();
+            assert_eq!(bytes, expected, "{frame:?}");
+        }
     }
 }
