@@ -534,6 +534,30 @@ fn strongest_coupling(c: &[[f32; 5]; 5]) -> (usize, usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use spindle_bearing::{Arrangement, Bearing, Design, Mounted};
+
+    const DESIGN: Design = Design::angular_contact(6.35e-3, 36e-3, 0.26);
+
+    /// The largest spindle that a file may have.
+    #[test]
+    fn each_of_eight_rows_tells_its_place_its_facing_and_its_balls() {
+        let bearing = Bearing::<f32, 9>::new(&DESIGN).unwrap();
+        let rows: [_; 8] = from_fn(|i| {
+            let facing = if i < 4 { Facing::PlusX } else { Facing::MinusX };
+            Mounted::<f32, 9>::new(&bearing, 0.02 * i as f32, facing)
+        });
+        let spindle = Spindle::new(Arrangement::ByRows, rows).unwrap();
+        let report = shaft_report(&spindle, &MonitorSettings::new(&DESIGN, 9));
+        assert_eq!((report.count, report.rows.len()), (8, 8));
+        for (i, row) in report.rows.iter().enumerate() {
+            let place = RowPlace {
+                position: 0.02 * i as f32,
+                mirrored: i >= 4,
+                balls: 9,
+            };
+            assert_eq!(*row, place);
+        }
+    }
 
     #[test]
     fn coupling_is_judged_relative_to_the_compliances_it_joins() {

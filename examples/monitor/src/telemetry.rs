@@ -35,8 +35,10 @@ pub const VERSION: u8 = 10;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
-/// Rows in one [`RowsReport`], and in a [`ShaftReport`].
+/// Rows in one [`RowsReport`].
 pub const ROWS_PER_FRAME: usize = 4;
+/// Rows in a [`ShaftReport`]: a spindle's file has no more.
+pub const MOST_ROWS: usize = 8;
 
 /// Length of the longest message that a frame can become, checksum included.
 ///
@@ -242,8 +244,8 @@ pub struct ShaftReport {
     pub preload: f32,
     /// Number of rows.
     pub count: u8,
-    /// The first of the rows.
-    pub rows: Vec<RowPlace, ROWS_PER_FRAME>,
+    /// The first of the rows, which are all of a spindle's file.
+    pub rows: Vec<RowPlace, MOST_ROWS>,
 }
 
 /// Where a row is.
@@ -556,7 +558,7 @@ mod tests {
                 loads_at: f32::MAX,
                 preload: f32::MAX,
                 count: u8::MAX,
-                rows: Vec::from_array([place; ROWS_PER_FRAME]),
+                rows: Vec::from_array([place; MOST_ROWS]),
             },
         })
     }

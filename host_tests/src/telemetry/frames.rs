@@ -8,8 +8,8 @@ use spindle_monitor::TemperatureSource;
 use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_monitor::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
-    HelloReport, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport, VERSION,
-    encode,
+    HelloReport, MOST_ROWS, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
+    VERSION, encode,
 };
 
 /// An estimate with this axial stiffness at the nose, N/m.
@@ -138,7 +138,7 @@ pub fn rows(axial: &[f32], preload: f32) -> Vec<Payload> {
 
 /// A shaft with rows at these positions (m), some of them mirrored, and so many balls each.
 pub fn shaft(places: &[(f32, bool, u16)]) -> Payload {
-    let rows = places.iter().take(ROWS_PER_FRAME);
+    let rows = places.iter().take(MOST_ROWS);
     let shaft = ShaftReport {
         nose: 0.09,
         loads_at: 0.12,
