@@ -43,7 +43,8 @@ pub trait LoadSource {
 /// - **Order.** Numbers of records grow. A record is out of order if its number is not larger than the last, or
 ///   larger than any sender reaches in the time since. It is then no sample.
 /// - **Restart.** A sender that restarts counts from 0. A record with a smaller number begins a new count if its own time
-///   is not longer than the time since any record came. Replayed records are older than that, and stay out of order.
+///   is not longer than the time since any record came. Replayed records are older than that, and stay out of order. Of a sender
+///   without a clock, one begins a new count if none has been in order for 50 ms, and its number is one to reach in that time.
 /// - **Age.** The sender's clock is compared with the monitor's. A record that took 20 ms longer than the fastest one is
 ///   late ([`Mark::Late`]). So is one whose time is 20 ms later than any before it, until those of 50 ms agree with it: a single
 ///   wrong time makes no other record late. A sender whose time is always 0 has no clock, and its records have no age.
@@ -89,7 +90,8 @@ pub struct FrameCounts {
 
 /// Longest that a record may take over the fastest one, ms: an estimate of that age is no longer fresh.
 const LATE_MS: u32 = 20;
-/// Time for which records that are ahead of all before must agree, ms; and records that make the fastest one credible.
+/// Time for which records that are ahead of all before must agree, ms, and for which those of a sender without a clock must all be
+/// behind; and records that make the fastest one credible.
 const AGREE_MS: u32 = 50;
 const AGREED: u8 = 3;
 /// Time in which two clocks part by a millisecond at most, ms: 200 millionths, four times what a crystal has.
@@ -97,6 +99,11 @@ const DRIFT_MS: u32 = 5000;
 /// Numbers of records that a sender may get ahead by, at once and in every millisecond.
 const AHEAD: u64 = 1000;
 const AHEAD_PER_MS: u64 = 10;
+
+/// Numbers of records that a sender gets through in this time at most.
+const fn reached(time_ms: u64) -> u64 {
+    AHEAD.saturating_add(AHEAD_PER_MS.saturating_mul(time_ms))
+}
 
 impl Default for FramedLoads {
     fn default() -> Self {
@@ -200,7 +207,7 @@ impl FramedLoads {
         if let Some((last, then)) = self.sampled {
             let since_ms = time_us.saturating_sub(then) / 1000;
             let ahead = record.sequence.wrapping_sub(last);
-            if u64::from(ahead) > AHEAD.saturating_add(AHEAD_PER_MS.saturating_mul(since_ms)) {
+            if u64::from(ahead) > reached(since_ms) {
                 self.sequence = Some(last);
                 self.disordered();
                 // Beyond half of all numbers, the nearer way to 0 is ahead.
@@ -216,9 +223,17 @@ impl FramedLoads {
         Some(record)
     }
 
-    /// Begins a new count with this record, if its sender can have started since any record came.
+    /// Begins a new count with this record, if its sender can have started since any record came; without a clock, since the last
+    /// one in order.
     fn restart(&mut self, record: &LoadRecord, silent_ms: u64, time_us: u64) {
-        if u64::from(record.time_ms) <= silent_ms.saturating_add(LATE_MS.into()) {
+        let last_us = self.sampled.map_or(0, |(_, then)| then);
+        let since_ms = time_us.saturating_sub(last_us) / 1000;
+        let has_restarted = if record.time_ms == 0 && self.fastest.is_none() {
+            since_ms >= AGREE_MS.into() && u64::from(record.sequence) <= reached(since_ms)
+        } else {
+            u64::from(record.time_ms) <= silent_ms.saturating_add(LATE_MS.into())
+        };
+        if has_restarted {
             self.sequence = Some(record.sequence);
             self.sampled = Some((record.sequence, time_us));
             (self.fastest, self.agreed) = (None, 0);

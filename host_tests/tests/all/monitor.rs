@@ -860,6 +860,31 @@ fn a_sender_that_begins_anew_after_many_records_is_believed_from_its_second_reco
     assert_doubted(first.chain(again), 5000..5001, Mark::Order, [1, 0, 0]);
 }
 
+/// An old record among those of a sender without a clock is one doubt; today's numbers go on. A true restart is believed after
+/// the 50 ms in which none was in order.
+#[test]
+fn a_sender_without_a_clock_restarts_only_where_no_record_of_it_is_in_order() {
+    for old in [0, 5, 2900] {
+        let records = (0..20_000).map(|ms| {
+            let sequence = if ms == 3000 { old } else { ms };
+            (u64::from(ms), numbered(sequence, 0))
+        });
+        assert_doubted(records, 3000..3001, Mark::Order, [1, 1, 0]);
+    }
+    let first = (0..5000).map(|ms| (u64::from(ms), numbered(ms, 0)));
+    let again = (0..5000).map(|ms| (u64::from(5000 + ms), numbered(ms, 0)));
+    assert_doubted(first.chain(again), 5000..5050, Mark::Order, [50, 0, 0]);
+    // What was kept for a minute is no restart: no sender has got so far since.
+    let first = (0..100_000).map(|ms| (u64::from(ms), numbered(ms, 0)));
+    let kept = (0..1000).map(|ms| (u64::from(100_060 + ms), numbered(40_000 + ms, 0)));
+    assert_doubted(
+        first.chain(kept),
+        100_000..101_000,
+        Mark::Order,
+        [1000, 0, 0],
+    );
+}
+
 /// One frame of another sender, whose number is far ahead, does not shut the true one out.
 #[test]
 fn a_number_that_no_sender_gets_to_is_out_of_order() {
@@ -964,12 +989,11 @@ fn damaged_and_lost_frames_are_counted_and_marked() {
     assert_eq!((counts.corrupt, counts.lost, counts.disordered), (2, 1, 0));
     let (_, counts) = send(&frame(5), 5);
     assert_eq!((counts.received, counts.lost), (3, 3));
-    // Twice the same, or an older one.
+    // Twice the same, or an older one, which is no sample and no restart.
     for i in [5, 1] {
         assert_eq!(send(&frame(i), 6).0, Err(Mark::Order.into()));
     }
-    // The sender began again from there.
-    let (sample, counts) = send(&frame(2), 7);
+    let (sample, counts) = send(&frame(6), 7);
     assert!(sample.unwrap().is_some());
     let counts = (counts.disordered, counts.lost, counts.passed_over);
     assert_eq!(counts, (2, 3, 0));
