@@ -137,7 +137,7 @@ pub enum AlarmState {
     Pending,
     /// The condition stands, and nobody has acknowledged it.
     Raised,
-    /// The condition stands, and somebody knows.
+    /// Active, acknowledged by an operator.
     Acknowledged,
     /// The condition is gone, but nobody has acknowledged it.
     Latched,

@@ -88,8 +88,8 @@
 //! - **No stiffness without a mark.** A doubted sample is not solved. The last good estimate stays, with its
 //!   age, and goes out with the marks of the present.
 //! - **No alarm is lost.** Alarms latch, and their reports are not dropped ([`telemetry`]).
-//! - **No drift.** Times are 64 bits, counters are 64 bits and stop rather than wrap, sums over a life are
-//!   exact.
+//! - **No drift.** Times are 64 bits. Counters, of 32 or 64 bits, stop rather than wrap; the frames' numbers wrap. Sums over a life
+//!   carry what rounding leaves over.
 //!
 //! # Left out on purpose
 //!

@@ -154,7 +154,7 @@ impl<C: CycleCounter> SolveTime<'_, C> {
 
     fn count(&mut self) {
         let counted = self.counter.cycles().wrapping_sub(self.began);
-        // The first part of a tick fits by `has_time`, and must go on: the next tick has no more time for it.
+        // Fits by `has_time`. The first part always runs: a later tick would have no more time.
         if counted > 0 && (self.rows > 0 || self.looked) {
             self.spent = counted;
         }
