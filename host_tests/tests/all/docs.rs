@@ -12,6 +12,7 @@ use std::path::Path;
 const GUIDE: &str = include_str!("../../../docs/guide.md");
 const FRONT: &str = include_str!("../../../docs/crate.md");
 const SAFETY: &str = include_str!("../../../docs/safety.md");
+const RTIC: &str = include_str!("../../../examples/rtic/main.rs");
 const FIGURES: &str = include_str!("../../../docs/report_figures.json");
 
 /// Cells of the row of a page's table that begins with this one.
@@ -66,6 +67,20 @@ fn costs_in_the_docs_of_the_crate_are_those_that_were_measured() {
         let costs = [TICK, "flash", "state", "stack"].map(|what| of(scene, what));
         assert_measured(&figures(FRONT, rows), &costs, rows);
     }
+}
+
+/// The tick of the application for RTIC takes its solve and the margins of both rows, and a third more.
+#[test]
+fn the_application_for_rtic_has_the_time_for_its_solve() {
+    let measured: BTreeMap<String, f64> = serde_json::from_str(FIGURES).unwrap();
+    let of =
+        |scene: &str| measured[&format!("Cortex-M4F, f32, {scene}: warm tick, cycles, median")];
+    let (_, reload) = RTIC.split_once("set_reload(").unwrap();
+    let (cycles, _) = reload.split_once(" - 1)").unwrap();
+    let cycles: f64 = cycles.replace('_', "").parse().unwrap();
+    let margins = of("limits") - of("full");
+    let needed = of("pair") + 2.0 * margins;
+    assert!(cycles > 4.0 / 3.0 * needed, "{cycles} for {needed}");
 }
 
 /// Preload of each row, N, at rest and without loads.
