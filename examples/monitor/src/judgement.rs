@@ -10,6 +10,7 @@
 //!   level grows further by `worse` is raised again. A level that is not known changes nothing, and the time without one counts
 //!   for neither.
 
+use core::f64::consts::PI;
 use core::fmt;
 use enumset::{EnumSet, EnumSetType};
 use serde::{Deserialize, Serialize};
@@ -98,23 +99,23 @@ impl Alarm {
         }
     }
 
-    /// Unit of the watched value; empty for a ratio or a number.
-    pub const fn unit(self) -> &'static str {
+    /// Unit of its levels in files and tables, empty for a ratio or a number; and that unit in the one of the wire.
+    pub const fn unit(self) -> (&'static str, f64) {
         match self {
-            Self::PeakPressure => "Pa",
-            Self::ContactAngle => "rad",
-            Self::Slip
-            | Self::UnloadedBalls
-            | Self::PreloadGrowth
-            | Self::PreloadLoss
+            Self::PeakPressure => ("GPa", 1e9),
+            Self::ContactAngle => ("deg", PI / 180.0),
+            Self::Sensor | Self::Temperature => ("s", 1.0),
+            Self::PreloadLoss
             | Self::Overload
             | Self::LifeUsed
             | Self::Availability
-            | Self::Deadline
             | Self::StiffnessLoss
-            | Self::StiffnessGain
-            | Self::Probe => "",
-            Self::Sensor | Self::Temperature => "s",
+            | Self::StiffnessGain => ("%", 1e-2),
+            Self::Slip
+            | Self::UnloadedBalls
+            | Self::PreloadGrowth
+            | Self::Deadline
+            | Self::Probe => ("", 1.0),
         }
     }
 }

@@ -15,8 +15,9 @@
 //! alarms.
 
 use crate::calibration;
-use crate::designs::{DesignFile, DesignFileError, Key, Place, Reading};
+use crate::designs::{DesignFile, DesignFileError, Key, Place, Reading, short};
 use serde::Deserialize;
+use spindle_monitor::Alarm;
 use std::f64::consts::PI;
 use std::ops::Range;
 use toml::Spanned;
@@ -82,10 +83,6 @@ pub struct Plausible {
 pub struct AlarmLevels {
     /// Name of the alarm, as in the file.
     pub name: &'static str,
-    /// Unit of its levels in the file; empty for a number.
-    pub unit: &'static str,
-    /// That unit in its own.
-    pub size: f64,
     /// The condition begins.
     pub limit: f64,
     /// It ends.
@@ -96,6 +93,18 @@ pub struct AlarmLevels {
     pub at_once: f64,
     /// An acknowledged alarm that has grown by so much is raised again; infinite for never.
     pub worse: f64,
+}
+
+/// A level of an alarm as files and tables have it: in the unit of [`Alarm::unit`], in six digits.
+pub fn level(alarm: Alarm, value: f64) -> f64 {
+    short(value / alarm.unit().1)
+}
+
+/// A level of an alarm against its limit, in words.
+pub fn against(alarm: Alarm, value: f32, limit: f32) -> String {
+    let [value, limit] = [value, limit].map(|x| level(alarm, x.into()));
+    let words = format!("{value} of {limit} {}", alarm.unit().0);
+    words.trim_end().to_owned()
 }
 
 /// Bounds of plausible temperatures, and their substitutes.
@@ -292,35 +301,29 @@ const NUMBERS: [Number; 52] = [
     ("telemetry.standing_ms", Some(10_000.0), Time(1e-3), |k| &k.telemetry.standing_ms, |m, x| m.telemetry.standing_us = us(x)),
 ];
 
-/// An alarm: its name, its unit, its levels in that unit (limit, clear, at once), its hold time (ms), where it is read from.
-type OfAlarm = (
-    &'static str,
-    (&'static str, f64),
-    [f64; 3],
-    f64,
-    fn(&keys::AlarmsKeys) -> &AlarmKeys,
-);
+/// An alarm, its levels in the unit of files (limit, clear, at once), its hold time (ms), where it is read from.
+type OfAlarm = (Alarm, [f64; 3], f64, fn(&keys::AlarmsKeys) -> &AlarmKeys);
 
 const NEVER: f64 = f64::INFINITY;
 
 /// In the order of their numbers.
 #[rustfmt::skip]
 const ALARMS: [OfAlarm; 15] = [
-    ("peak-pressure", ("GPa", 1e9), [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
-    ("contact-angle", ("deg", PI / 180.0), [0.0, -2.0, NEVER], 100.0, |k| &k.contact_angle),
-    ("slip", ("", 1.0), [0.06, 0.05, NEVER], 500.0, |k| &k.slip),
-    ("unloaded-balls", ("", 1.0), [0.5, 0.25, NEVER], 500.0, |k| &k.unloaded_balls),
-    ("preload-growth", ("", 1.0), [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
-    ("preload-loss", ("%", 1e-2), [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
-    ("overload", ("%", 1e-2), [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
-    ("life-used", ("%", 1e-2), [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
-    ("sensor", ("s", 1.0), [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
-    ("temperature", ("s", 1.0), [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
-    ("availability", ("%", 1e-2), [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
-    ("deadline", ("", 1.0), [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),
-    ("stiffness-loss", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_loss),
-    ("stiffness-gain", ("%", 1e-2), [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_gain),
-    ("probe", ("", 1.0), [0.5, 0.25, NEVER], 0.0, |k| &k.probe),
+    (Alarm::PeakPressure, [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
+    (Alarm::ContactAngle, [0.0, -2.0, NEVER], 100.0, |k| &k.contact_angle),
+    (Alarm::Slip, [0.06, 0.05, NEVER], 500.0, |k| &k.slip),
+    (Alarm::UnloadedBalls, [0.5, 0.25, NEVER], 500.0, |k| &k.unloaded_balls),
+    (Alarm::PreloadGrowth, [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
+    (Alarm::PreloadLoss, [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
+    (Alarm::Overload, [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
+    (Alarm::LifeUsed, [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
+    (Alarm::Sensor, [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
+    (Alarm::Temperature, [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
+    (Alarm::Availability, [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
+    (Alarm::Deadline, [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),
+    (Alarm::StiffnessLoss, [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_loss),
+    (Alarm::StiffnessGain, [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_gain),
+    (Alarm::Probe, [0.5, 0.25, NEVER], 0.0, |k| &k.probe),
 ];
 
 /// A condition, the keys that may break it, and its words.
@@ -410,7 +413,8 @@ impl Temperatures {
 impl AlarmKeys {
     /// Levels of an alarm. If the limit alone is said, the others go with it.
     fn read(&self, r: Reading<'_>, alarm: &OfAlarm) -> Result<AlarmLevels, DesignFileError> {
-        let (name, (unit, size), [limit, clear, at_once], hold_ms, _) = *alarm;
+        let (alarm, [limit, clear, at_once], hold_ms, _) = *alarm;
+        let (name, (_, size)) = (alarm.name(), alarm.unit());
         let value = |key: &str, said: &Said, otherwise: f64, bounds| match said {
             Some(said) => bounded(r, &format!("alarm.{name}.{key}"), said, bounds),
             None => Ok(otherwise),
@@ -437,8 +441,6 @@ impl AlarmKeys {
         let step = (0.25 * limit_si).max(limit_si - clear_si);
         let levels = AlarmLevels {
             name,
-            unit,
-            size,
             limit: limit_si,
             clear: clear_si,
             hold_us: us(hold_ms),
@@ -513,7 +515,7 @@ impl MonitorKeys {
             }
         }
         for (levels, alarm) in monitor.alarms.iter_mut().zip(&ALARMS) {
-            *levels = alarm.4(&self.alarm).read(r, alarm)?;
+            *levels = alarm.3(&self.alarm).read(r, alarm)?;
         }
         range_of(
             r,

@@ -4,6 +4,7 @@
 use super::session::Session;
 use super::source::Chunks;
 use anyhow::{Context, Result};
+use files::monitors::against;
 use host_tests::telemetry::operator::wants_a_board;
 use host_tests::telemetry::state::{Balls, FRESH, State, facing};
 use ratatui::DefaultTerminal;
@@ -399,11 +400,10 @@ fn alarm_table(state: &State) -> Table<'static> {
             (_, Some(ball)) => format!("ball {ball}"),
             (_, None) => String::new(),
         };
-        let [value, limit] = [report.value, report.limit].map(short);
         let row = Row::new([
             format!(" {}", report.alarm.name()),
             report.state.name().into(),
-            format!("{value} of {limit} {}", report.alarm.unit()),
+            against(report.alarm, report.value, report.limit),
             place,
             format!("since {:.2} s", *since as f64 * 1e-6),
             format!("{} times", report.raised),

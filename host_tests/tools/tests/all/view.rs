@@ -15,7 +15,7 @@ use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
 use spindle_monitor::response::{Fault, ProbeReport, Ratio, State as ProbeState};
 use spindle_monitor::retained::{Recovery, RetentionReport};
 use spindle_monitor::telemetry::{
-    EstimateReport, HealthReport, HelloReport, Payload, ProbesReport, encode,
+    AlarmReport, EstimateReport, HealthReport, HelloReport, Payload, ProbesReport, encode,
 };
 use std::io::{Cursor, Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
@@ -231,6 +231,53 @@ fn a_pair_shows_both_rows_and_their_places_on_the_shaft() {
         Some(Color::Reset)
     );
     assert!(!text(&state).contains("lifted off"));
+}
+
+/// Levels of alarms are in the units of files, as in the tables of `--limits`.
+#[test]
+fn levels_of_alarms_are_shown_in_the_units_of_files() {
+    let of = |of, value, limit| {
+        let report = alarm(of, AlarmChange::Raised, AlarmState::Raised);
+        Payload::Alarm(AlarmReport {
+            value,
+            limit,
+            ..report
+        })
+    };
+    let payloads = [
+        of(Alarm::PeakPressure, 2.131e9, 2e9),
+        of(Alarm::ContactAngle, -0.017_453_293, 0.0),
+        of(Alarm::Overload, 1.161_235_3, 1.0),
+        of(Alarm::LifeUsed, 0.805, 0.8),
+        of(Alarm::Sensor, 0.125, 0.1),
+        of(Alarm::UnloadedBalls, 3.0, 0.5),
+    ];
+    let parts = [
+        "2.131 of 2 GPa",
+        "-1 of 0 deg",
+        "116.124 of 100 %",
+        "80.5 of 80 %",
+        "0.125 of 0.1 s",
+        "3 of 0.5 ",
+    ];
+    shows(&state_of(payloads), &parts);
+}
+
+/// Of any spindle that a file may have, each row has its place, and each alarm its row.
+#[test]
+fn all_of_eight_rows_have_a_place_and_a_facing() {
+    let places: [_; 8] = std::array::from_fn(|i| (0.02 * i as f32, i > 3, 16));
+    let mut slipping = alarm(Alarm::Slip, AlarmChange::Raised, AlarmState::Raised);
+    slipping.place = Some(7 * 16 + 2);
+    let payloads = [shaft(&places), Payload::Alarm(slipping)];
+    let state = state_of(payloads.into_iter().chain(rows(&[212.0; 8], 170.0)));
+    let parts = [
+        " row 3  60     +x     212",
+        " row 4  80     -x     212",
+        " row 7  140    -x     212",
+        "row 7 ball 2",
+    ];
+    shows(&state, &parts);
 }
 
 #[test]

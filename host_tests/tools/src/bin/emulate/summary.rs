@@ -4,6 +4,7 @@
 use crate::exchange::Answer;
 use crate::plan::Plan;
 use anyhow::{Context, Result, ensure};
+use files::monitors::against;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::telemetry::Payload;
 use spindle_monitor::{Alarm, Mark, Marks};
@@ -115,11 +116,10 @@ pub fn seen(answer: &Answer) -> String {
             Payload::Alarm(report) if report.change != AlarmChange::Standing => {
                 let (time, of) = (frame.time_us as f64 * 1e-6, report);
                 text += &format!(
-                    "{time:9.3} s: {} {}, {:.4} of {:.4}\n",
+                    "{time:9.3} s: {} {}, {}\n",
                     of.alarm,
                     format!("{:?}", of.change).to_lowercase(),
-                    of.value,
-                    of.limit
+                    against(of.alarm, of.value, of.limit)
                 );
             }
             Payload::Estimate(report) => ages.push(report.age),

@@ -2,8 +2,7 @@
 
 use crate::Args;
 use anyhow::{Context, Result, anyhow, ensure};
-use files::designs::short;
-use files::monitors::AlarmLevels;
+use files::monitors::{self, AlarmLevels};
 use files::plan::{BuildError, MOST_BALLS};
 use files::spindles::SpindleFile;
 use host_tests::replay::{ReplayError, Summary, Table};
@@ -134,8 +133,8 @@ pub fn run(args: &Args) -> Result<Summary> {
                     ("cleared", clear)
                 }
             };
-            let AlarmLevels { unit, size, .. } = of.alarms[alarm as usize];
-            let [value, limit] = [f64::from(level), limit].map(|x| short(x / size));
+            let [value, limit] = [f64::from(level), limit].map(|x| monitors::level(alarm, x));
+            let (unit, _) = alarm.unit();
             let time = ((ticks.start() * 1e6).round() + time_us as f64) / 1e6;
             writeln!(out, "{time},{alarm},{event},{value},{limit},{unit}").map_err(output)?;
         }
