@@ -7,6 +7,7 @@ use crate::response::Fault;
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
 use crate::watch::WatchSettings;
+use core::f64::consts::PI;
 use core::fmt;
 use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits};
 
@@ -266,11 +267,44 @@ const fn silence(raise: f32, clear: f32) -> Threshold {
     }
 }
 
+/// Largest plausible forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) of a spindle whose rows have this sum of basic dynamic load
+/// ratings `C` (N) and this mean pitch diameter `dm` (m).
+///
+/// Forces are 6 % of the sum: `L10` of 4,600 million revolutions under such a load, shared by the rows. Moments are that force on
+/// an arm of `1.4 dm`, a cutter in front of the nose.
+pub const fn largest_loads(ratings: f64, pitch_diameter: f64) -> [f64; 5] {
+    let force = 0.06 * ratings;
+    let moment = force * 1.4 * pitch_diameter;
+    [force, force, force, moment, moment]
+}
+
+/// Fastest change of a load in a second, over half of its range: a tooth of a third of that half in a tick, and a fifth more.
+pub const LOAD_RATE: f64 = 400.0;
+
+/// Highest plausible speed (rad/s) of a spindle with this largest pitch diameter `dm` (m): `n dm = 1.8e6 mm/min`, of fast spindles
+/// with oil and air.
+pub const fn largest_speed(pitch_diameter: f64) -> f64 {
+    1.8e6 / (1e3 * pitch_diameter) * PI / 30.0
+}
+
 impl<const R: usize> MonitorSettings<R> {
     /// Settings to start from, for bearings of `balls` balls, all of one design, on a machine tool's
     /// spindle. Loads are sampled at 1 kHz and solved at every tick on a Cortex-M4F at 168 MHz, thresholds
-    /// are on the safe side. Ranges and rates of loads are wide; narrow them to your spindle's.
+    /// are on the safe side. Ranges, rates and overload follow from the bearings, as for a spindle's file that gives none
+    /// ([`largest_loads`]); narrow them to your spindle's.
     pub const fn new(design: &Design, balls: usize) -> Self {
+        let most = largest_loads(
+            R as f64 * design.dynamic_load_rating(balls),
+            design.pitch_diameter,
+        );
+        let (mut load, mut load_rate, mut overload) = ([[0.0; 2]; 5], [0.0; 5], [0.0; 5]);
+        let mut i = 0;
+        while i < 5 {
+            load[i] = [-most[i] as f32, most[i] as f32];
+            load_rate[i] = (LOAD_RATE * most[i]) as f32;
+            overload[i] = most[i] as f32;
+            i += 1;
+        }
         Self {
             rows: [RowSettings::new(design, balls); R],
             shaft: ShaftSettings {
@@ -287,26 +321,20 @@ impl<const R: usize> MonitorSettings<R> {
             tolerance: 2e-5,
             accuracy: [0.0; 5],
             plausibility: PlausibilitySettings {
-                load: [
-                    [-10e3, 10e3],
-                    [-10e3, 10e3],
-                    [-10e3, 10e3],
-                    [-200.0, 200.0],
-                    [-200.0, 200.0],
-                ],
-                load_rate: [1e6, 1e6, 1e6, 2e4, 2e4],
+                load,
+                load_rate,
                 stuck_after: 100,
                 missing_after_us: 50_000,
                 fresh_us: 20_000,
                 residual: f32::INFINITY,
-                speed: 5e3,
+                speed: largest_speed(design.pitch_diameter) as f32,
                 speed_rate: 2e4,
                 deceleration: 4e3,
                 speed_stuck_after: 0,
                 speed_difference: [10.0, 0.02],
             },
             watch: WatchSettings {
-                overload: [10e3, 10e3, 10e3, 200.0, 200.0],
+                overload,
                 limits: Limits {
                     peak_pressure: 2.0e9,
                     friction: 0.06,

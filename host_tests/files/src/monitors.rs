@@ -1,15 +1,8 @@
 //! The monitor of a spindle file: `[monitor]`, all of which may be left out.
 //!
-//! `docs/monitor_keys.md` has every key with its unit, default and meaning. Ranges follow from the spindle:
-//!
-//! | default | of | reason |
-//! | --- | --- | --- |
-//! | ± 6 % of the sum of the rows' `C` | forces | `L10` of 4,600 million revolutions under that load, shared by the rows |
-//! | that force on an arm of 1.4 mean pitch diameters | moments | a cutter in front of the nose |
-//! | 400 half-ranges in a second | rates of loads | a tooth of a third of the half-range in a tick, and a fifth more |
-//! | `n dm = 1.8e6 mm/min` | speed | fast spindles with oil and air |
-//! | the larger amount of the range | overload | what is beyond the range has no estimate, but an alarm |
-//! | 1 % of that | accuracy | a good sensor, 1 % of full scale |
+//! `docs/monitor_keys.md` has every key with its unit, default and meaning. Ranges, rates and speed follow from the bearings
+//! ([`largest_loads`], [`LOAD_RATE`], [`largest_speed`]). The overload is the larger amount of the range: what is beyond it has no
+//! estimate, but an alarm. The accuracy is 1 % of that, a good sensor's.
 //!
 //! The rest are the values that the shipped firmware has. Levels that count as limits (`Limits` of the library) are those of the
 //! alarms.
@@ -18,6 +11,7 @@ use crate::calibration;
 use crate::designs::{DesignFile, DesignFileError, Key, Place, Reading, short};
 use serde::Deserialize;
 use spindle_monitor::Alarm;
+use spindle_monitor::settings::{LOAD_RATE, largest_loads, largest_speed};
 use std::f64::consts::PI;
 use std::ops::Range;
 use toml::Spanned;
@@ -462,11 +456,13 @@ impl MonitorFile {
     pub(crate) fn of(designs: &[DesignFile]) -> Self {
         let mut monitor = Self::default();
         let of_all = |of: fn(&DesignFile) -> f64| designs.iter().map(of);
-        let force = 0.06 * of_all(DesignFile::dynamic_rating).sum::<f64>();
         let pitches = || of_all(|one| one.design.pitch_diameter);
-        let moment = force * 1.4 * (pitches().sum::<f64>() / designs.len() as f64);
-        monitor.plausible.load = [force, force, force, moment, moment].map(|most| [-most, most]);
-        monitor.plausible.speed = rad(1.8e6 / (1e3 * pitches().fold(0.0, f64::max)));
+        let most = largest_loads(
+            of_all(DesignFile::dynamic_rating).sum(),
+            pitches().sum::<f64>() / designs.len() as f64,
+        );
+        monitor.plausible.load = most.map(|most| [-most, most]);
+        monitor.plausible.speed = largest_speed(pitches().fold(0.0, f64::max));
         monitor.plausible.residual = NEVER;
         monitor.telemetry.balls_us = us(100.0 * designs.len().max(2) as f64);
         monitor.follow();
@@ -487,7 +483,7 @@ impl MonitorFile {
     /// What follows from the ranges of loads.
     fn follow(&mut self) {
         let ranges = self.plausible.load;
-        self.plausible.load_rate = ranges.map(|[low, high]| 400.0 * 0.5 * (high - low));
+        self.plausible.load_rate = ranges.map(|[low, high]| LOAD_RATE * 0.5 * (high - low));
         self.overload = ranges.map(|[low, high]| high.abs().max(low.abs()));
         self.accuracy = self.overload.map(|most| 0.01 * most);
     }

@@ -28,8 +28,18 @@ pub(super) static SETTINGS: MonitorSettings = settings(10);
 /// One pass fits into a tick.
 static TIGHT: MonitorSettings = settings(1);
 
+/// Wide ranges: beyond them loads are no loads.
 pub(super) const fn settings(passes: u32) -> MonitorSettings {
     let mut settings = MonitorSettings::new(&B7005C, 16);
+    settings.plausibility.load = [
+        [-10e3, 10e3],
+        [-10e3, 10e3],
+        [-10e3, 10e3],
+        [-200.0, 200.0],
+        [-200.0, 200.0],
+    ];
+    settings.plausibility.load_rate = [1e6, 1e6, 1e6, 2e4, 2e4];
+    settings.watch.overload = [10e3, 10e3, 10e3, 200.0, 200.0];
     let cost = settings.tick.cost;
     let cost_of = cost.of(1, 16, 16);
     settings.tick.deadline_cycles = cost.tick

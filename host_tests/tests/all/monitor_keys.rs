@@ -310,7 +310,7 @@ fn a_limit_takes_the_other_levels_along() {
 #[test]
 fn defaults_are_the_settings_of_the_monitor() {
     let monitor = read("").unwrap();
-    let start = MonitorSettings::<1>::new(&B7005C, 16);
+    let start = MonitorSettings::<2>::new(&B7005C, 16);
     for (alarm, found) in Alarm::ALL.into_iter().zip(monitor.alarms) {
         let truth = start.alarms.of(alarm);
         assert_eq!((found.name, found.hold_us), (alarm.name(), truth.hold_us));
@@ -363,7 +363,7 @@ fn defaults_are_the_settings_of_the_monitor() {
     ];
     assert_eq!(times, truths);
     for (found, truth, by) in [
-        (p.speed, truth.speed, 0.05),
+        (p.speed, truth.speed, 1e-6),
         (p.speed_rate, truth.speed_rate, 1e-3),
         (p.deceleration, truth.deceleration, 0.05),
         (p.speed_difference[0], truth.speed_difference[0], 1e-3),
@@ -371,6 +371,20 @@ fn defaults_are_the_settings_of_the_monitor() {
         (p.residual, truth.residual, 0.0),
     ] {
         assert_near(found, truth.into(), by, "plausible");
+    }
+    // 1,700 N on two rows of C = 14.3 kN, and such a cutter's moment.
+    for (i, most) in [1700.0, 1700.0, 1700.0, 86.0, 86.0].into_iter().enumerate() {
+        let [low, high] = truth.load[i];
+        let (overload, rate) = (start.watch.overload[i], truth.load_rate[i]);
+        assert_near(high.into(), most, 0.02, "range");
+        assert_eq!((low, overload), (-high, high));
+        for (found, truth) in [
+            (p.load[i][1], high),
+            (p.load_rate[i], rate),
+            (monitor.overload[i], overload),
+        ] {
+            assert_near(found, truth.into(), 1e-6, "load");
+        }
     }
 }
 
