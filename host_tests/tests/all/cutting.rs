@@ -211,6 +211,29 @@ fn an_overload_needs_no_equilibrium_but_more_than_a_sample() {
     assert!(!pressed(&mut rig, 2e3).solved);
 }
 
+/// PC7 is low from the tick on that raises the alarm, with an estimate or without any, and until somebody has seen it.
+#[test]
+fn an_overload_takes_pc7_away_within_four_ticks_whatever_the_estimate() {
+    for estimated in [true, false] {
+        let mut rig = Rig::shipped();
+        if estimated {
+            rig = rig.run_up();
+        }
+        for tick in 0..10 {
+            let outcome = pressed(&mut rig, 2e3);
+            assert!(!outcome.solved && outcome.age.is_some() == estimated);
+            assert_eq!(outcome.outputs.no_alarm, tick < 3, "{tick}");
+        }
+        for _ in 0..100 {
+            assert!(!pressed(&mut rig, 0.0).outputs.no_alarm);
+        }
+        for alarm in Alarm::ALL {
+            rig.monitor.acknowledge(rig.time_us, alarm);
+        }
+        assert!(pressed(&mut rig, 0.0).outputs.no_alarm);
+    }
+}
+
 /// Ticks of an idling spindle with a fault that leaves too few estimates.
 type Blind = (u32, fn(&mut Rig, u32));
 

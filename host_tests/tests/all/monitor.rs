@@ -19,7 +19,7 @@ use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{BallReport, EstimateReport, FrameReader, Payload, RowReport};
 use spindle_monitor::tick::{CycleCounter, Watchdog, Widened};
-use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Outcome, Readings};
+use spindle_monitor::{Alarm, AlarmState, BoardReport, Mark, Marks, Monitor, Outcome, Readings};
 use std::array;
 use std::ops::Range;
 
@@ -136,6 +136,8 @@ pub(super) struct Host {
     balls: Vec<BallReport>,
     rows: Vec<RowReport>,
     pub(super) answers: Vec<Answer>,
+    /// The board's last report on itself.
+    pub(super) board: BoardReport,
 }
 
 /// A monitor, and a host at the end of its link that knows what must arrive.
@@ -264,7 +266,8 @@ impl<const R: usize, const E: usize> Rig<R, E> {
                     host.rows.extend(report.rows);
                 }
                 Payload::Answer(answer) => host.answers.push(answer),
-                Payload::Health(_) | Payload::Hello(_) | Payload::Probes(_) => {}
+                Payload::Hello(hello) => host.board = hello.board,
+                Payload::Health(_) | Payload::Probes(_) => {}
             }
         }
     }
@@ -752,6 +755,24 @@ fn a_load_step_is_doubted_then_believed_then_solved_within_the_budget_of_its_tic
     let first = solved.iter().position(|solved| *solved);
     assert!(first.is_some_and(|ms| ms < 100), "{first:?}");
     assert_stiffness(rig.stiffness(), step, 2e-3);
+}
+
+/// From one end of the range to the other, at 400 half-ranges in a second. A sensor that jumps and stays is believed, too.
+#[test]
+fn a_jump_across_the_range_is_doubted_for_five_milliseconds_by_default() {
+    static DEFAULT: MonitorSettings = MonitorSettings::new(&B7005C, 16);
+    let mut rig = Rig::running(&DEFAULT);
+    let [_, most] = DEFAULT.plausibility.load[1];
+    let mut doubted = 0;
+    for part in [-0.95, 0.95] {
+        doubted = 0;
+        for _ in 0..50 {
+            let readings = rig.spoilt(|sample| sample.load[1] = part * most);
+            let marks = rig.tick(&readings).marks;
+            doubted += u32::from(marks.contains(Mark::Rate));
+        }
+    }
+    assert!((4..=5).contains(&doubted), "{doubted}");
 }
 
 #[test]

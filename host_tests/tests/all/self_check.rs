@@ -1,6 +1,9 @@
 //! The solve whose answer is known, on the shipped spindle.
 
+use super::monitor::{Rig, SPEED};
 use spindle_firmware::spindle::{BALLS, FREEDOMS, JOINTS, KNOWN_LOAD, ROWS, SPINDLE};
+use spindle_monitor::BoardReport;
+use spindle_monitor::board::Check;
 use spindle_monitor::self_check::KnownAnswer;
 
 fn known(preload: f32) -> KnownAnswer<'static, ROWS, BALLS, FREEDOMS, JOINTS> {
@@ -30,6 +33,30 @@ fn a_known_answer_is_the_same_every_time_and_another_one_for_another_load() {
     assert_eq!(answer(&mut known(KNOWN_LOAD)), (sum, steps));
     let (other, _) = answer(&mut known(KNOWN_LOAD.next_up()));
     assert_ne!(other, sum);
+}
+
+/// A processor that computes wrongly once: another load stands in for it. PC8 stays low, though later answers are right.
+#[test]
+fn a_wrong_answer_is_a_failed_check_that_takes_pc8_away_for_good() {
+    let expected = answer(&mut known(KNOWN_LOAD)).0;
+    let mut rig = Rig::shipped().run_up();
+    let mut check = Check::NotYet;
+    for (i, load) in [KNOWN_LOAD, KNOWN_LOAD.next_up(), KNOWN_LOAD]
+        .into_iter()
+        .enumerate()
+    {
+        check = check.and(answer(&mut known(load)).0 == expected);
+        rig.monitor.set_board(BoardReport {
+            known_answer: check,
+            ..BoardReport::NONE
+        });
+        for _ in 0..1500 {
+            let outputs = rig.good([0.0; 5], SPEED).outputs;
+            assert_eq!((outputs.no_alarm, outputs.monitored), (true, i == 0));
+        }
+        assert_eq!(rig.host.board.known_answer, check);
+    }
+    assert_eq!(check, Check::Failed);
 }
 
 #[test]
