@@ -1,5 +1,7 @@
 //! Linear algebra: small dense systems.
 
+use super::number::Scalar;
+use crate::double_double::Dd;
 use core::array::from_fn;
 
 /// Solves `a x = b` for the columns of `b`; row-scaled partial pivoting.
@@ -65,39 +67,41 @@ pub(crate) fn masked_solve(
 }
 
 /// Solves `a x = b` for lines `[a | b]` of any number of columns; row-scaled partial pivoting.
-pub(super) fn dense_solve(mut lines: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
+pub(super) fn dense_solve<T: Scalar>(mut lines: Vec<Vec<T>>) -> Option<Vec<Vec<T>>> {
     let n = lines.len();
+    let size = |x: &T| x.value().abs();
     for line in &mut lines {
-        let big = line[..n].iter().fold(0.0_f64, |s, x| s.max(x.abs()));
-        line.iter_mut().for_each(|x| *x /= big);
+        let big = T::of(Dd::of(line[..n].iter().map(size).fold(0.0, f64::max)));
+        line.iter_mut().for_each(|x| *x = *x / big);
     }
     for c in 0..n {
-        let size = |i: &usize| lines[*i][c].abs();
-        let p = (c..n).max_by(|i, j| size(i).total_cmp(&size(j)))?;
+        let p = (c..n).max_by(|i, j| size(&lines[*i][c]).total_cmp(&size(&lines[*j][c])))?;
         lines.swap(p, c);
         let (above, below) = lines.split_at_mut(c + 1);
         let pivot = &above[c][c..];
         // Also false of what is not a number.
-        if !(pivot[0].abs() > 0.0) {
+        if !(size(&pivot[0]) > 0.0) {
             return None;
         }
         for line in below {
+            if line[c].value() == 0.0 {
+                continue;
+            }
             let factor = line[c] / pivot[0];
             let rest = line[c..].iter_mut().zip(pivot);
-            rest.for_each(|(x, y)| *x -= factor * y);
+            rest.for_each(|(x, y)| *x = *x - factor * *y);
         }
     }
     for c in (0..n).rev() {
         let (above, below) = lines.split_at_mut(c + 1);
         let (a, x) = above[c].split_at_mut(n);
         for (k, x) in x.iter_mut().enumerate() {
-            let known: f64 = (c + 1..n).map(|j| a[j] * below[j - c - 1][n + k]).sum();
-            *x = (*x - known) / a[c];
+            let known = (c + 1..n).map(|j| a[j] * below[j - c - 1][n + k]);
+            *x = (known.fold(*x, |x, known| x - known)) / a[c];
         }
     }
-    let finite = lines
-        .iter()
-        .all(|line| line[n..].iter().all(|x| x.is_finite()));
+    let is_finite = |x: &T| x.value().is_finite();
+    let finite = lines.iter().all(|line| line[n..].iter().all(is_finite));
     finite.then(|| {
         lines
             .into_iter()

@@ -2,6 +2,7 @@
 
 use super::elastic::random_elastic;
 use super::solves::{Answer, found, lengths, vector_error};
+use super::spindles::reference_near;
 use files::plan::{ElasticShaft, Plan, Question, Row};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::{stiffness_error, worse};
@@ -199,11 +200,9 @@ fn far(seed: u64) -> (Plan, Attitude, Question) {
     (plan, attitude, question)
 }
 
-/// Whether it is not solved though it is with the moment at the rows, in how many precisions; errors over the stated ones.
-fn judged(seed: u64) -> (usize, [f64; 5]) {
-    let (plan, attitude, question) = far(seed);
-    let (at, size) = (plan.loaded_at(), plan.rows[0].design.pitch_diameter);
-    let mut there = plan.clone();
+/// The same load, about the row that is nearest to it.
+fn at_the_row(plan: &Plan, question: &Question) -> (Plan, Question) {
+    let (mut there, at) = (plan.clone(), plan.loaded_at());
     let positions = plan.rows.iter().map(|row| row.position);
     let (low, high) = (
         positions.clone().fold(f64::INFINITY, f64::min),
@@ -217,6 +216,14 @@ fn judged(seed: u64) -> (usize, [f64; 5]) {
         load: [fx, fy, fz, my - arm * fz, mz + arm * fy],
         ..question.clone()
     };
+    (there, moment)
+}
+
+/// Whether it is not solved though it is with the moment at the rows, in how many precisions; errors over the stated ones.
+fn judged(seed: u64) -> (usize, [f64; 5]) {
+    let (plan, attitude, question) = far(seed);
+    let (at, size) = (plan.loaded_at(), plan.rows[0].design.pitch_diameter);
+    let (there, moment) = at_the_row(&plan, &question);
     let mut nose = plan.rows[0].position - size;
     round(&mut nose, at);
     let solved = |plan: &Plan, question: &Question, precision| {
@@ -347,4 +354,59 @@ fn slender_shafts_are_solved_or_refused_in_single_precision() {
     // A row whose stiffness is negative takes more than all of the shaft's.
     let (_, over) = slender(5442);
     assert!(over.iter().all(|over| *over <= 5.0), "{over:?}");
+}
+
+/// Positions from where loads act, as the reference build has them.
+fn about_loads(mut plan: Plan) -> Plan {
+    let at = plan.loaded_at();
+    let shaft = plan.shaft.as_mut().unwrap();
+    shaft.loaded_at = 0.0;
+    for section in &mut shaft.sections {
+        (section.from, section.to) = (section.from - at, section.to - at);
+    }
+    for row in &mut plan.rows {
+        row.position -= at;
+    }
+    plan
+}
+
+/// Double precision against the reference build, whose residual and unknowns have twice as many digits: with the loads far from the
+/// rows, and with their moment at a row.
+#[test]
+fn stated_errors_of_double_precision_hold_far_from_the_rows() {
+    let judged = |seed: u64| {
+        let (plan, attitude, question) = far(seed);
+        let asked = [
+            (plan.clone(), question.clone()),
+            at_the_row(&plan, &question),
+        ];
+        let over = asked.map(|(plan, question)| {
+            let plan = about_loads(plan);
+            let found = solve(&plan, attitude, Precision::F64, &question, 0.0)?;
+            let Some(truth) = reference_near(&plan, attitude, &question, &found) else {
+                return Some([f64::INFINITY; 3]);
+            };
+            let errors = found.equilibrium().errors(&truth, &plan.rows[0].design);
+            let errors = [errors.displacement, errors.force, errors.stiffness];
+            Some(from_fn(|i| errors[i] / found.error[i]))
+        });
+        (seed, over)
+    };
+    let all: Vec<_> = (0..2000).into_par_iter().map(judged).collect();
+    for far_or_near in 0..2 {
+        let over = all
+            .iter()
+            .filter_map(|(seed, over)| Some((*seed, over[far_or_near]?)));
+        let over: Vec<(u64, [f64; 3])> = over.collect();
+        let most = over.iter().fold([0.0; 3], |most, (_, over)| {
+            from_fn(|i| worse(most[i], over[i]))
+        });
+        let beyond: Vec<_> = over
+            .iter()
+            .filter(|(_, over)| !over.iter().all(|over| *over <= 3.0))
+            .collect();
+        println!("{} of {}: {most:.2?}", beyond.len(), over.len());
+        assert!(over.len() > 1900, "{}", over.len());
+        assert!(beyond.is_empty(), "{most:.2?} {beyond:.2?}");
+    }
 }
