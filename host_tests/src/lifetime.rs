@@ -1,6 +1,7 @@
 //! Sums over a whole recording: rating life, worst pressure, least preload, time beyond each limit.
 
 use crate::spindles::{Answer, LIFT_OFF};
+use files::times::PAUSE;
 use serde::Serialize;
 use spindle_bearing::{Limit, RatingLife};
 use std::collections::BTreeMap;
@@ -9,9 +10,6 @@ use std::fmt;
 
 /// Steps of time by which the usual one is known.
 const FIRST_STEPS: usize = 100;
-
-/// A step of so many usual ones is a pause of the logger.
-const PAUSE: f64 = 10.0;
 
 /// Sums over a recording.
 ///

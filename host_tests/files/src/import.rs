@@ -124,6 +124,8 @@ pub struct Wanted {
     pub every: usize,
     /// Names of the probes whose readings are wanted, as far as the recording has them.
     pub probes: Vec<String>,
+    /// Records of one time share the time to the next one: for all that weighs records by their time.
+    pub shares_times: bool,
 }
 
 impl Default for Wanted {
@@ -137,6 +139,7 @@ impl Default for Wanted {
             needed,
             every: 1,
             probes: Vec::new(),
+            shares_times: false,
         }
     }
 }

@@ -16,4 +16,5 @@ pub mod quantities;
 pub mod recordings;
 mod shafts;
 pub mod spindles;
+pub mod times;
 pub mod units;

@@ -5,7 +5,7 @@
 //! their probes, whose fields may be empty. Without `time_s`, rows are counted. Any other table needs a [description](crate::import).
 //!
 //! Both are read to the letter: a line is a row, refused, or skipped, and all of them are counted. Every number is passed on
-//! as it stands, `nan` and `inf` too: whether a row can be solved is for the solver to say.
+//! as it stands, `nan` and `inf` too: whether a row can be solved is for the solver to say. A time is a number.
 //!
 //! The csv crate reads lines with quotation marks; a reader of its own for every line would take two fifths of a replay.
 
@@ -14,12 +14,14 @@ use crate::import::{Import, Name, ProbeColumn, Source, Wanted};
 use crate::lines::{Line, Lines, listed, number, shown, split, text};
 use crate::probes::MOST_PROBES;
 use crate::quantities::{LOADS, OWN, Quantity};
+use crate::times::Times;
 use crate::units::{Dimension, Unit, celsius};
 use jiff::civil::{Date, DateTime, Time};
 use std::collections::VecDeque;
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read, Write};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// Measured values of one instant.
@@ -84,6 +86,9 @@ pub fn write_csv(rows: &[LoadRow], out: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
+/// Times that a record may have, s: beyond, a double does not tell seconds apart.
+const TIMES: RangeInclusive<f64> = -1e15..=1e15;
+
 /// Before the first row.
 const NO_RANGES: [(f64, f64); OWN.len()] = [(f64::INFINITY, f64::NEG_INFINITY); OWN.len()];
 
@@ -92,6 +97,15 @@ const MOST_BLANKS: usize = 20;
 
 /// Lines of a preamble that are known again in the middle of a file.
 const LONGEST_PREAMBLE: u64 = 400;
+
+/// The time of a row, s; of one that cannot be read, if that can.
+fn time_of(row: &mut Result<LoadRow, LoadsError>) -> Option<&mut f64> {
+    match row {
+        Ok(row) => Some(&mut row.time_s),
+        Err(LoadsError::Row(bad)) => bad.numbers[0].as_mut(),
+        Err(_) => None,
+    }
+}
 
 /// Opens a file, `-` being standard input: its lines, and how many bytes there are if it is a plain file.
 pub(crate) fn open(path: &Path) -> Result<(Lines, Option<u64>), LoadsError> {
@@ -152,6 +166,8 @@ pub struct Loads {
     ranges: [(f64, f64); OWN.len()],
     /// Times of the first and the last row.
     times: Option<(f64, f64)>,
+    /// Records of one time, if they share it.
+    shared: Option<Times<Result<LoadRow, LoadsError>>>,
 }
 
 /// The part of a file that a line stands in.
@@ -227,6 +243,7 @@ impl Loads {
             counts: Counts::default(),
             ranges: NO_RANGES,
             times: None,
+            shared: wanted.shares_times.then(|| Times::of(time_of)),
         };
         match import {
             Some(import) => loads.follow(import, wanted)?,
@@ -288,6 +305,11 @@ impl Loads {
         self.told.iter().flatten().map(String::as_str)
     }
 
+    /// How many records have shared a time, in one line; none if none have.
+    pub fn shared(&self) -> Option<String> {
+        self.shared.as_ref()?.account()
+    }
+
     /// Counts of lines, and the first and last time and range of each quantity, in one line; the headers of other files.
     pub fn account(&self) -> String {
         let Counts {
@@ -299,6 +321,9 @@ impl Loads {
         let mut text = String::new();
         for told in self.told() {
             text += &format!("{file}: {told}\n");
+        }
+        if let Some(shared) = self.shared() {
+            text += &format!("{file}: {shared}\n");
         }
         text += &format!("{file}: rows read {read}, refused {refused}; lines skipped {skipped}");
         let ranges = OWN.into_iter().zip(self.ranges).zip(&self.layout.sources);
@@ -792,6 +817,12 @@ impl Layout {
         let value = column.factor * unit.read(value);
         match unit.dimension {
             Dimension::Temperature => celsius(value),
+            Dimension::Time if !TIMES.contains(&value) => {
+                let (text, [first, last]) = (shown(text), [TIMES.start(), TIMES.end()]);
+                Err(format!(
+                    "{text} is no time; give seconds from {first:e} to {last:e}"
+                ))
+            }
             _ => Ok(value),
         }
     }
@@ -894,6 +925,18 @@ impl Iterator for Loads {
     type Item = Result<LoadRow, LoadsError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        let Some(mut shared) = self.shared.take() else {
+            return self.every_row();
+        };
+        let row = shared.next(|| self.every_row());
+        self.shared = Some(shared);
+        row
+    }
+}
+
+impl Loads {
+    /// The next row of those that are wanted.
+    fn every_row(&mut self) -> Option<Result<LoadRow, LoadsError>> {
         if self.ended {
             return None;
         }

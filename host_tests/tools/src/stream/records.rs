@@ -32,13 +32,14 @@ pub fn read(
 ) -> Result<Recording> {
     let wanted = Wanted {
         probes: probes.iter().map(|probe| probe.name.clone()).collect(),
+        shares_times: true,
         ..Wanted::default()
     };
-    let rows = recordings::read(path, import, &wanted)?;
+    let mut rows = recordings::read(path, import, &wanted)?;
     for (probe, _) in probes.iter().zip(rows.has_probes()).filter(|(_, has)| !has) {
         eprintln!("{path}: there is no column probe_{}_um", probe.name);
     }
-    let mut ticks = PerTick::new(rows, period_us);
+    let mut ticks = PerTick::new(rows.by_ref(), period_us);
     let mut recording = Recording::default();
     let most = seconds.unwrap_or(LONGEST) * 1e6 / f64::from(period_us);
     for tick in ticks.by_ref() {
@@ -59,6 +60,9 @@ pub fn read(
     ensure!(!recording.records.is_empty(), "{path} holds no records");
     if let Some(account) = ticks.account() {
         eprintln!("{account}");
+    }
+    if let Some(shared) = rows.shared() {
+        eprintln!("{path}: {shared}");
     }
     Ok(recording)
 }

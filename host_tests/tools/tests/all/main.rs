@@ -6,4 +6,5 @@ mod plot;
 mod replay;
 mod response;
 mod spindles;
+mod times;
 mod view;

@@ -76,7 +76,8 @@ struct Args {
 
     /// In the place of the results: rating life of the whole recording, worst pressure, least preload, time beyond limits
     ///
-    /// A record lasts until the next one. Without times, all records last equally long.
+    /// A record lasts until the next one; records of one time share the time to the next one. Without times, all records last equally
+    /// long.
     #[arg(long, value_parser = by_name(FORMS), value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
     summary: Option<Form>,
 
@@ -662,6 +663,7 @@ impl Args {
         let mut wanted = Wanted {
             given: self.recording.given.0,
             every: self.recording.every as usize,
+            shares_times: self.summary.is_some() || self.limits || self.response.response.is_some(),
             ..Wanted::default()
         };
         for (i, quantity) in OWN.into_iter().enumerate().skip(LOADS) {
