@@ -946,3 +946,91 @@ fn displacements_may_be_given() {
         assert!(status == 2 && err.starts_with("replay: --"), "{err}");
     }
 }
+
+/// A program that has written the beginning of an output, and waits for more of its recording.
+#[cfg(unix)]
+fn begun(out: &std::path::Path) -> std::process::Child {
+    let before = parts(out);
+    let mut running = Command::new(REPLAY)
+        .args([&shipped("b7005c"), "-", "--balls", out.to_str().unwrap()])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let text = format!("{HEADER}{ROWS}");
+    running
+        .stdin
+        .as_mut()
+        .unwrap()
+        .write_all(text.as_bytes())
+        .unwrap();
+    for _ in 0..600 {
+        if parts(out).iter().any(|part| !before.contains(part)) {
+            return running;
+        }
+        thread::sleep(std::time::Duration::from_millis(50));
+    }
+    panic!("no unfinished output in half a minute");
+}
+
+/// Unfinished outputs beside this path.
+#[cfg(unix)]
+fn parts(out: &std::path::Path) -> Vec<PathBuf> {
+    let name = format!("{}.", out.file_name().unwrap().to_str().unwrap());
+    let all = std::fs::read_dir(out.parent().unwrap()).unwrap();
+    let all = all.map(|entry| entry.unwrap().path());
+    let is_part = |path: &PathBuf| {
+        let of = path.file_name().unwrap().to_string_lossy();
+        of.starts_with(&name) && of.ends_with(".part")
+    };
+    all.filter(is_part).collect()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_leaves_no_unfinished_output() {
+    use std::os::unix::process::ExitStatusExt;
+    let out = scratch("signal.csv");
+    for (name, number) in [("INT", 2), ("TERM", 15)] {
+        let mut running = begun(&out);
+        let kill = Command::new("kill")
+            .args(["-s", name, &running.id().to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+        let ended = running.wait().unwrap();
+        // It ends as it would without a handler, for a shell to see.
+        assert_eq!(ended.signal(), Some(number), "{ended}");
+        assert_eq!(parts(&out), Vec::<PathBuf>::new(), "{name}");
+    }
+    assert!(!out.exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_removes_what_killed_ones_have_left_and_nothing_else() {
+    let out = scratch("killed.csv");
+    let mut killed = begun(&out);
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert_eq!(parts(&out).len(), 1);
+    let kept = out.with_file_name(format!(
+        "{}.backup.part",
+        out.file_name().unwrap().to_str().unwrap()
+    ));
+    std::fs::write(&kept, "mine").unwrap();
+    // One that is written, a user's own, and that of the new run.
+    let mut running = begun(&out);
+    assert_eq!(parts(&out).len(), 2);
+    let input = format!("{HEADER}{ROWS}");
+    let args = [&*shipped("b7005c"), "-", "--balls", out.to_str().unwrap()];
+    let (status, _, err) = replayed(&args, &input);
+    assert_eq!(status, 0, "{err}");
+    assert_eq!(parts(&out).len(), 2);
+    drop(running.stdin.take());
+    assert!(running.wait().unwrap().success());
+    assert_eq!(parts(&out), [kept.clone()]);
+    for path in [out, kept] {
+        std::fs::remove_file(path).unwrap();
+    }
+}

@@ -450,7 +450,7 @@ NOSES.csv, one row for each nose, the plain one being called nose:
   the level that ends it, in the unit of [monitor.alarm]. Each alarm is acknowledged at once
 
 Files are written beside their places, as X.*.part, and moved there when they are complete: not where
-the exit status is 1 or 2.
+the exit status is 1 or 2. A signal (Ctrl-C) removes them, and a later run what a killed one has left.
 
 Exit status: 0, also if rows have no answer (a line on standard error counts them);
 2 if the arguments, the design or the recording are at fault, or no row of it can be read;
