@@ -1,6 +1,7 @@
 //! Designs that one can name: makers' bearings with published ball data, and the files in `bearings`.
 
-use crate::designs::{DesignFile, DesignFileError, SHIPPED};
+use crate::designs::{DesignFile, SHIPPED};
+use crate::reading::{DesignFileError, alike};
 use serde::Deserialize;
 use spindle_bearing::FreeContact;
 use std::fmt::Write;
@@ -90,19 +91,29 @@ fn plain(name: &str) -> String {
     name.split_whitespace().collect::<String>().to_lowercase()
 }
 
-/// Pairs of characters that two names share.
-fn alike(one: &str, other: &str) -> usize {
-    let pairs = |name: &str| {
-        name.as_bytes()
-            .windows(2)
-            .map(<[u8]>::to_vec)
-            .collect::<Vec<_>>()
-    };
-    let others = pairs(other);
-    pairs(one)
-        .iter()
-        .filter(|pair| others.contains(pair))
-        .count()
+/// All names.
+fn names(listed: &[Listed]) -> Vec<String> {
+    listed.iter().map(Listed::name).chain(shipped()).collect()
+}
+
+/// The names that are most like this one, as a question.
+fn alike_names(name: &str) -> String {
+    let (mut names, wanted) = (names(&gmn_s60()), plain(name));
+    names.sort_by_key(|one| (usize::MAX - alike(&plain(one), &wanted), one.len()));
+    format!(
+        "did you mean {}? `cargo replay --list` has them all",
+        names[..3].join(", ")
+    )
+}
+
+/// The error of a file that cannot be read, which may be meant to be a bearing of the catalogue.
+pub(crate) fn hint(path: &Path, mut error: DesignFileError) -> DesignFileError {
+    let name = path.file_name().map(|name| name.to_string_lossy());
+    let name = name.filter(|_| !path.exists() && path.extension().is_none());
+    if let Some(name) = name {
+        error.message += &format!("; nor is it in the catalogue; {}", alike_names(&name));
+    }
+    error
 }
 
 /// A bearing by its name, such as `gmn:S6014C` or `project:b7005c`; without the catalogue's name where the rest is
@@ -114,8 +125,7 @@ fn alike(one: &str, other: &str) -> usize {
 pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
     let wanted = plain(name);
     let listed = gmn_s60();
-    let names = listed.iter().map(Listed::name).chain(shipped());
-    let mut names: Vec<String> = names.collect();
+    let names = names(&listed);
     let is = |one: &String| {
         let one = plain(one);
         one == wanted
@@ -128,14 +138,10 @@ pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
         if !wanted.starts_with(GMN) && !wanted.starts_with(PROJECT) {
             return None;
         }
-        names.sort_by_key(|one| (usize::MAX - alike(&plain(one), &wanted), one.len()));
         return Some(Err(DesignFileError {
             file: name.to_owned(),
             place: None,
-            message: format!(
-                "the catalogue has no such bearing; did you mean {}? `cargo replay --list` has them all",
-                names[..3].join(", ")
-            ),
+            message: format!("the catalogue has no such bearing; {}", alike_names(name)),
         }));
     };
     Some(match names[found].strip_prefix(PROJECT) {

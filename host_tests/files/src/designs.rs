@@ -32,15 +32,18 @@
 //! fy_n = -300                    # and fx_n, fz_n
 //! ```
 
+use crate::doubts::{Doubts, Extent};
+use crate::noses::Nose;
 use crate::plan::{BALL_COUNTS, Part};
+pub use crate::reading::{DesignFileError, Place, short};
+use crate::reading::{Key, POSITIONS, Reading, micrometres, millimetres, read_text};
 use serde::Deserialize;
-use serde::de::{DeserializeOwned, IgnoredAny};
-use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Quantity};
-use std::fmt;
-use std::ops::{Range, RangeInclusive};
+use serde::de::IgnoredAny;
+use spindle_bearing::{Design, DesignError, FreeContact, LifeRating, Material, Quantity};
+use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 use std::path::Path;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
 
 /// The folder of the design files that come with the project.
 pub const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../bearings");
@@ -60,6 +63,8 @@ pub struct DesignFile {
     pub size_mm: [Option<f64>; 2],
     /// Where loads act.
     pub loading: Loading,
+    /// Figures that are read as they are, and seem to be meant otherwise.
+    pub doubts: Vec<String>,
     pub(crate) file: String,
     said: Vec<Said>,
 }
@@ -71,6 +76,17 @@ struct Said {
     key: &'static str,
     value: f64,
     place: Place,
+}
+
+impl Said {
+    fn new(r: Reading<'_>, quantity: Quantity, key: &'static str, said: &Spanned<f64>) -> Self {
+        Self {
+            quantity,
+            key,
+            value: *said.get_ref(),
+            place: r.place(said.span()),
+        }
+    }
 }
 
 /// Where recorded loads act on the shaft, and constant forces besides.
@@ -113,6 +129,53 @@ impl Loading {
         Ok(())
     }
 
+    /// Looks where loads act on a spindle: that is refused where it is far off. Doubts those that stand out without a nose or a
+    /// recorded load there, and forces beyond the range from a belt's to `most`, N.
+    pub(crate) fn check_on(
+        (r, doubts): (Reading<'_>, &mut Doubts<'_>),
+        (load, constant): (Option<&LoadKeys>, &[ConstantLoadKeys]),
+        (extent, noses): (&Extent, &[Nose]),
+        forces: RangeInclusive<f64>,
+    ) -> Result<(), DesignFileError> {
+        let positions = constant.iter().map(|keys| &keys.position_mm);
+        for said in positions.chain(load.map(|load| &load.position_mm)) {
+            let position = millimetres(*said.get_ref());
+            if extent.is_far(position) {
+                let (words, length) = (extent.words(position), extent.words_of_length());
+                let message = format!(
+                    "`position_mm` of the load is {}, {words}: a load must be within {length}",
+                    said.get_ref()
+                );
+                return Err(r.error(r.place(said.span()), message));
+            }
+        }
+        if load.is_none() && extent.is_far(0.0) {
+            let words = extent.words(0.0);
+            let message = format!(
+                "recorded loads act at `position_mm` = 0 of [load], which is not there, {words}: do they act there?"
+            );
+            doubts.tell(Place::TOP, message);
+        }
+        let tools = noses.iter().map(|nose| nose.end.position);
+        let tools = tools.chain(load.map(|load| millimetres(*load.position_mm.get_ref())));
+        let tools = extent.clone().with(tools);
+        for keys in constant {
+            let said = &keys.position_mm;
+            let (place, at) = (r.place(said.span()), *said.get_ref());
+            if extent.is_drawn() && tools.is_beyond(millimetres(at)) {
+                let words = extent.words(millimetres(at));
+                let message =
+                    format!("`position_mm` of a constant load is {at}, {words}: is it in mm?");
+                doubts.tell(place, message);
+            }
+            for (key, force) in keys.forces().filter(|(_, force)| *force.get_ref() != 0.0) {
+                let (place, force) = (r.place(force.span()), *force.get_ref());
+                doubts.unusual(place, (key, force), forces.clone(), "is it in N?");
+            }
+        }
+        Ok(())
+    }
+
     /// All loads about `x = 0`, when `load` is recorded.
     pub fn about_origin(&self, load: [f64; 5]) -> [f64; 5] {
         let mut all = load;
@@ -135,57 +198,8 @@ impl Loading {
     }
 }
 
-/// A design file that cannot be read or understood, or whose bearing cannot be built.
-#[derive(Debug)]
-pub struct DesignFileError {
-    /// Name of the file.
-    pub file: String,
-    /// Line and column at fault, from 1; `None` if the file could not be read at all.
-    pub place: Option<Place>,
-    /// The fault, and how to mend it.
-    pub message: String,
-}
-
-/// A place in a text file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Place {
-    /// Line, from 1.
-    pub line: usize,
-    /// Column in characters, from 1.
-    pub column: usize,
-}
-
-impl Place {
-    /// The start of the file, where a key without a table is added.
-    pub(crate) const TOP: Self = Self { line: 1, column: 1 };
-
-    fn of(text: &str, byte: usize) -> Self {
-        let before = String::from_utf8_lossy(&text.as_bytes()[..byte.min(text.len())]);
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        Self {
-            line: before.matches('\n').count() + 1,
-            column: before[line_start..].chars().count() + 1,
-        }
-    }
-}
-
-impl fmt::Display for DesignFileError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.file)?;
-        if let Some(Place { line, column }) = self.place {
-            write!(f, "line {line}, column {column}: ")?;
-        }
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for DesignFileError {}
-
-/// A key that may be absent, and where its value stands.
-pub(crate) type Key<T> = Option<Spanned<T>>;
-
 /// The keys of a design.
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Keys {
     name: Key<String>,
@@ -253,9 +267,6 @@ impl ConstantLoadKeys {
     }
 }
 
-/// Positions on a shaft that files may say, mm: those of its sections.
-pub(crate) const POSITIONS: RangeInclusive<f64> = -1e5..=1e5;
-
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
 struct RingKeys {
@@ -263,12 +274,22 @@ struct RingKeys {
     poissons_ratio: Key<f64>,
 }
 
+/// Keys of the balls' material.
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields)]
-struct BallKeys {
+pub(crate) struct BallKeys {
     youngs_modulus_gpa: Key<f64>,
     poissons_ratio: Key<f64>,
     density_kg_m3: Key<f64>,
+}
+
+impl BallKeys {
+    fn check(&self, r: Reading<'_>) -> Result<(), DesignFileError> {
+        match &self.density_kg_m3 {
+            Some(said) => r.within("ball.density_kg_m3", said, DENSITIES).map(drop),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A number of a design: its key, an example if it must be there, where it is read from and what it sets.
@@ -314,6 +335,35 @@ const NUMBERS: [Number; 17] = [
 const SIZES: RangeInclusive<f64> = 0.1..=1e5;
 const DENSITIES: RangeInclusive<f64> = 100.0..=1e5;
 
+/// Usual amounts of a design's numbers but 0, and what others may be.
+#[rustfmt::skip]
+const USUAL: [(&str, RangeInclusive<f64>, &str); 7] = [
+    // A degree is 0.017 rad, and 57 degrees are 1 rad.
+    ("contact_angle_deg", 1.0..=90.0, "is it in radians?"),
+    // Classes of clearance are whole micrometres; a millimetre is beyond all bearings with bores up to a metre.
+    ("diametral_clearance_um", 0.2..=1e3, "is it in mm?"),
+    ("ring.youngs_modulus_gpa", MODULI, "is it in GPa?"),
+    ("ring.poissons_ratio", RATIOS, "is it that ratio?"),
+    ("ball.youngs_modulus_gpa", MODULI, "is it in GPa?"),
+    ("ball.poissons_ratio", RATIOS, "is it that ratio?"),
+    // From glass and silicon nitride to tungsten carbide.
+    ("ball.density_kg_m3", 2e3..=17e3, "is it in kg/m^3?"),
+];
+/// Young's moduli of materials of rings, balls and shafts, GPa: from magnesium to tungsten carbide.
+pub(crate) const MODULI: RangeInclusive<f64> = 40.0..=720.0;
+/// Poisson's ratios: from beryllium and carbides to lead.
+pub(crate) const RATIOS: RangeInclusive<f64> = 0.05..=0.45;
+/// Densities below which balls are of a stiff ceramic and above which they are of steel, and of a hard metal, kg/m^3: zirconia,
+/// which is as stiff as steel, has 6000. Young's modulus between steel's and those of such ceramics, Pa.
+const CERAMIC_DENSITY: f64 = 4500.0;
+const STEEL_DENSITY: f64 = 7000.0;
+const HEAVY_DENSITY: f64 = 9000.0;
+const CERAMIC_MODULUS: f64 = 260e9;
+/// Place of the pitch circle between bore and outside diameter, as a part of their difference: 0.47 to 0.53 in makers' tables.
+const MIDDLE: RangeInclusive<f64> = 0.35..=0.65;
+/// Least part of the pitch circle that balls fill: a deep groove bearing, filled by the eccentric ring, has half.
+const LEAST_FILL: f64 = 0.35;
+
 /// Keys that say the same thing.
 const EITHER: [(&str, &str); 3] = [
     ("inner_groove_factor", "inner_groove_radius_mm"),
@@ -325,142 +375,6 @@ const EITHER: [(&str, &str); 3] = [
 fn said_by(keys: &Keys, key: &str) -> bool {
     let number = NUMBERS.iter().find(|number| number.1 == key);
     number.is_some_and(|number| number.3(keys).is_some())
-}
-
-/// A number in six digits.
-pub fn short(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
-}
-
-/// The first number that is none, or is infinite: its key and where it stands.
-fn not_finite<'k>(
-    key: &'k str,
-    value: &'k Spanned<DeValue<'_>>,
-) -> Option<(&'k str, Range<usize>)> {
-    match value.get_ref() {
-        DeValue::Float(x) => {
-            let is_finite = x.as_str().parse().is_ok_and(f64::is_finite);
-            (!is_finite).then(|| (key, value.span()))
-        }
-        DeValue::Array(values) => values.iter().find_map(|value| not_finite(key, value)),
-        DeValue::Table(keys) => keys
-            .iter()
-            .find_map(|(key, value)| not_finite(key.get_ref(), value)),
-        _ => None,
-    }
-}
-
-/// The text being read, for messages.
-#[derive(Clone, Copy)]
-pub(crate) struct Reading<'t> {
-    pub file: &'t str,
-    pub text: &'t str,
-}
-
-impl Reading<'_> {
-    /// The text as keys.
-    pub fn keys<K: DeserializeOwned>(&self) -> Result<K, DesignFileError> {
-        let refused = |error: toml::de::Error| {
-            let place = error.span().map_or(Place::TOP, |span| self.place(span));
-            // A machinist knows no type `f64`.
-            let message = error.message().replace("expected f64", "expected a number");
-            self.error(place, message.trim_end())
-        };
-        let table = DeTable::parse(self.text).map_err(refused)?;
-        match table
-            .get_ref()
-            .iter()
-            .find_map(|(key, value)| not_finite(key.get_ref(), value))
-        {
-            Some((key, span)) => {
-                let said = &self.text[span.clone()];
-                let message =
-                    format!("`{key}` is {said}, and no number; give one, or leave it out");
-                Err(self.error(self.place(span), message))
-            }
-            None => toml::from_str(self.text).map_err(refused),
-        }
-    }
-
-    pub fn error(&self, place: Place, message: impl Into<String>) -> DesignFileError {
-        DesignFileError {
-            file: self.file.to_owned(),
-            place: Some(place),
-            message: message.into(),
-        }
-    }
-
-    pub fn place(&self, span: Range<usize>) -> Place {
-        Place::of(self.text, span.start)
-    }
-
-    /// A number within its range.
-    pub fn within(
-        &self,
-        key: &str,
-        said: &Spanned<f64>,
-        range: RangeInclusive<f64>,
-    ) -> Result<f64, DesignFileError> {
-        let value = *said.get_ref();
-        if range.contains(&value) {
-            return Ok(value);
-        }
-        let [least, most] = [range.start(), range.end()].map(|bound| short(*bound));
-        let message = format!("`{key}` is {value}, but must lie between {least} and {most}");
-        Err(self.error(self.place(said.span()), message))
-    }
-
-    /// A number that a table must have.
-    pub fn needed(
-        &self,
-        table: &str,
-        key: &str,
-        example: &str,
-        value: Key<f64>,
-    ) -> Result<f64, DesignFileError> {
-        let message = format!("[{table}] lacks `{key}`; add a line such as `{key} = {example}`");
-        let value = value.ok_or_else(|| self.error(Place::TOP, message))?;
-        Ok(value.into_inner())
-    }
-
-    /// A key that must be there is not.
-    pub fn missing(&self, key: &str, example: &str) -> DesignFileError {
-        let add = "add a line such as";
-        let message = format!(
-            "the key `{key}` is missing; {add} `{key} = {example}` above the first [table]"
-        );
-        self.error(Place::TOP, message)
-    }
-}
-
-// Division by a power of ten rounds once; its reciprocal would be rounded, too.
-pub(crate) fn millimetres(x: f64) -> f64 {
-    x / 1e3
-}
-
-pub(crate) fn micrometres(x: f64) -> f64 {
-    x / 1e6
-}
-
-/// A file's name, as messages give it, and its text.
-pub(crate) fn read_text(path: &Path) -> Result<(String, String), DesignFileError> {
-    let file = path.display().to_string();
-    match std::fs::read(path).map(String::from_utf8) {
-        Ok(Ok(text)) => Ok((file, text)),
-        Ok(Err(error)) => {
-            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            Err(DesignFileError {
-                file,
-                place: Some(Place::of(&text, error.utf8_error().valid_up_to())),
-                message: "this is not UTF-8 text; save the file in that encoding".to_owned(),
-            })
-        }
-        Err(error) => Err(DesignFileError {
-            file,
-            place: None,
-            message: format!("cannot be read: {error}"),
-        }),
-    }
 }
 
 impl DesignFile {
@@ -481,11 +395,15 @@ impl DesignFile {
     /// A text that is not a design; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
         let r = Reading { file, text };
-        Self::of(r, r.keys()?)
+        Self::of(r, r.keys()?, None)
     }
 
-    /// The design of these keys.
-    pub(crate) fn of(r: Reading<'_>, keys: Keys) -> Result<Self, DesignFileError> {
+    /// The design of these keys, which stand in the `table` at this place of a spindle's file, if it is not a file of its own.
+    pub(crate) fn of(
+        r: Reading<'_>,
+        keys: Keys,
+        table: Option<Place>,
+    ) -> Result<Self, DesignFileError> {
         let mut design = Design::angular_contact(0.0, 0.0, 0.0);
         let mut said: Vec<Said> = Vec::new();
         for (quantity, key, example, number, set) in NUMBERS {
@@ -493,17 +411,17 @@ impl DesignFile {
                 let other = EITHER.iter().find(|(one, _)| *one == key);
                 let is_said = other.is_some_and(|(_, other)| said_by(&keys, other));
                 if !example.is_empty() && !is_said {
-                    return Err(r.missing(key, example));
+                    return Err(r.missing(table, key, example));
                 }
                 continue;
             };
-            let (value, place) = (*number.get_ref(), r.place(number.span()));
-            let pair = |one: &Said| {
-                let is_pair = |(a, b): &(&str, &str)| (*a, *b) == (one.key, key);
+            let one = Said::new(r, quantity, key, number);
+            let pair = |other: &Said| {
+                let is_pair = |(a, b): &(&str, &str)| (*a, *b) == (other.key, key);
                 EITHER.iter().any(is_pair)
             };
             if let Some(other) = said.iter().find(|one| pair(one)) {
-                let mut places = [place, other.place];
+                let mut places = [one.place, other.place];
                 places.sort_by_key(|place| place.line);
                 let message = format!(
                     "`{}` and `{key}` say the same thing, and line {} already says it; remove one of them",
@@ -511,23 +429,18 @@ impl DesignFile {
                 );
                 return Err(r.error(places[1], message));
             }
-            said.push(Said {
-                quantity,
-                key,
-                value,
-                place,
-            });
-            set(&mut design, value);
+            set(&mut design, one.value);
+            said.push(one);
         }
         if !said
             .iter()
             .any(|one| EITHER[2].0 == one.key || EITHER[2].1 == one.key)
         {
-            let message = "the contact angle is missing; add a line such as `contact_angle_deg = 15` or \
-                 `diametral_clearance_um = 10` above the first [table]";
-            return Err(r.error(Place::TOP, message));
+            let line = "contact_angle_deg = 15` or `diametral_clearance_um = 10";
+            return Err(r.lacks(table, "the contact angle", line));
         }
-        let name = keys.name.ok_or_else(|| r.missing("name", "\"B7005C\""))?;
+        let missing = || r.missing(table, "name", "\"B7005C\"");
+        let name = keys.name.ok_or_else(missing)?;
         let wanted = keys.balls.map_or(0.0, Spanned::into_inner);
         let (least, most) = (BALL_COUNTS.start(), BALL_COUNTS.end());
         let Some(balls) = BALL_COUNTS.into_iter().find(|&n| n as f64 == wanted) else {
@@ -543,32 +456,190 @@ impl DesignFile {
             ),
             ("bore_mm", &keys.bore_mm, SIZES),
             ("outside_mm", &keys.outside_mm, SIZES),
-            ("ball.density_kg_m3", &keys.ball.density_kg_m3, DENSITIES),
         ] {
             if let Some(said) = said {
                 r.within(key, said, range)?;
             }
         }
+        keys.ball.check(r)?;
         if let Some(monitor) = &keys.monitor {
             let message =
                 "[monitor] is a spindle's: move it to a file with a [[row]] of this bearing";
             return Err(r.error(r.place(monitor.span()), message));
         }
         Loading::check(r, keys.load.as_ref(), &keys.constant_load)?;
-        let file = Self {
+        let mut file = Self {
             name: name.into_inner(),
             balls,
             design,
-            dynamic_load_rating: keys.dynamic_load_rating_n.map(Spanned::into_inner),
-            size_mm: [keys.bore_mm, keys.outside_mm].map(|size| size.map(Spanned::into_inner)),
+            dynamic_load_rating: keys.dynamic_load_rating_n.as_ref().map(|c| *c.get_ref()),
+            size_mm: [&keys.bore_mm, &keys.outside_mm]
+                .map(|size| size.as_ref().map(|size| *size.get_ref())),
             loading: Loading::of(keys.load, keys.constant_load),
+            doubts: Vec::new(),
             file: r.file.to_owned(),
             said,
         };
         // All that follows from a design is worked out of one that can be built.
-        let checked = file.design.check(balls);
+        let checked = design.check(balls);
         checked.map_err(|error| file.explain(&error))?;
+        let mut doubts = Doubts::of(r);
+        file.sizes(r, [&keys.bore_mm, &keys.outside_mm], &mut doubts)?;
+        file.doubt(r, keys.dynamic_load_rating_n.as_ref(), &mut doubts);
+        file.doubts = doubts.finish([]);
         Ok(file)
+    }
+
+    /// The bearing with balls of another material, which a row of a spindle's file has beside its bearing.
+    pub(crate) fn with_balls(
+        mut self,
+        r: Reading<'_>,
+        ball: BallKeys,
+        doubts: &mut Doubts<'_>,
+    ) -> Result<Self, DesignFileError> {
+        ball.check(r)?;
+        let keys = Keys {
+            ball,
+            ..Keys::default()
+        };
+        let mut said = Vec::new();
+        for (quantity, key, _, number, set) in NUMBERS {
+            if let Some(number) = number(&keys) {
+                said.push(Said::new(r, quantity, key, number));
+                set(&mut self.design, *number.get_ref());
+            }
+        }
+        let own = Self {
+            file: r.file.to_owned(),
+            said,
+            ..self.clone()
+        };
+        let checked = self.design.check(self.balls);
+        checked.map_err(|error| own.explain(&error))?;
+        own.doubt(r, None, doubts);
+        Ok(self)
+    }
+
+    /// Looks whether bore, balls and outside diameter lie one beyond the other.
+    fn sizes(
+        &self,
+        r: Reading<'_>,
+        sizes: [&Key<f64>; 2],
+        doubts: &mut Doubts<'_>,
+    ) -> Result<(), DesignFileError> {
+        let [bore, outside] = sizes;
+        if let (Some(bore), Some(outside)) = (bore, outside)
+            && bore.get_ref() >= outside.get_ref()
+        {
+            let message = format!(
+                "`outside_mm` is {}, but must be above `bore_mm`, which is {}: exchange them",
+                outside.get_ref(),
+                bore.get_ref()
+            );
+            return Err(r.error(r.place(outside.span()), message));
+        }
+        let [pitch, ball] =
+            [self.design.pitch_diameter, self.design.ball_diameter].map(|x| 1e3 * x);
+        for (key, said, sign) in [("bore_mm", bore, 1.0), ("outside_mm", outside, -1.0)] {
+            let Some(said) = said else { continue };
+            let value = *said.get_ref();
+            let side = if sign > 0.0 { "above" } else { "below" };
+            if sign * (pitch - value) <= 0.0 {
+                let place = self.said(Quantity::PitchDiameter).map(|said| said.place);
+                let message = format!(
+                    "`pitch_diameter_mm` is {}, but must be {side} `{key}`, which is {value}: balls run between bore and outside \
+                     diameter",
+                    short(pitch)
+                );
+                return Err(r.error(place.unwrap_or(Place::TOP), message));
+            }
+            // A groove's bottom is half a ball beyond the balls' centres, about.
+            let groove = pitch - sign * ball;
+            if sign * (groove - value) <= 0.0 {
+                let message = format!(
+                    "`{key}` is {value}, and the groove's bottom has a diameter of {}, which is {side} it in usual bearings: is it of \
+                     this bearing?",
+                    short(groove)
+                );
+                doubts.tell(r.place(said.span()), message);
+            } else if let (Some(bore), Some(outside)) = (bore, outside) {
+                let (bore, outside) = (*bore.get_ref(), *outside.get_ref());
+                let part = (pitch - bore) / (outside - bore);
+                if !MIDDLE.contains(&part) && sign * (part - 0.5) > 0.0 {
+                    let message = format!(
+                        "`{key}` is {value}, and `pitch_diameter_mm` = {} is usually about the mean of `bore_mm` = {bore} and \
+                         `outside_mm` = {outside}: are all three of one bearing?",
+                        short(pitch)
+                    );
+                    doubts.tell(r.place(said.span()), message);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Doubts what it says of itself, and its load rating.
+    fn doubt(&self, r: Reading<'_>, rating: Option<&Spanned<f64>>, doubts: &mut Doubts<'_>) {
+        for (key, usual, question) in USUAL {
+            let said = self.said.iter().find(|said| said.key == key);
+            // A deep groove bearing has no contact angle, and may have no clearance.
+            if let Some(said) = said.filter(|said| said.value != 0.0) {
+                doubts.unusual(said.place, (key, said.value), usual, question);
+            }
+        }
+        let Material {
+            youngs_modulus,
+            density,
+            ..
+        } = self.design.ball;
+        let of_ball = [Quantity::BallDensity, Quantity::BallYoungsModulus];
+        let of_ball = of_ball.into_iter().find_map(|quantity| self.said(quantity));
+        let is_half = match density {
+            ..CERAMIC_DENSITY => youngs_modulus < CERAMIC_MODULUS,
+            STEEL_DENSITY.. => youngs_modulus > CERAMIC_MODULUS && density < HEAVY_DENSITY,
+            _ => false,
+        };
+        if let (Some(said), true) = (of_ball, is_half) {
+            let modulus = short(1e-9 * youngs_modulus);
+            let message = format!(
+                "the balls have `youngs_modulus_gpa` = {modulus} and `density_kg_m3` = {density}, and usual are 206 and 7850 of steel, \
+                 310 and 3200 of silicon nitride: are both of one material?"
+            );
+            doubts.tell(said.place, message);
+        }
+        if let Some(said) = self.said(Quantity::BallCount) {
+            let (
+                balls,
+                Design {
+                    ball_diameter,
+                    pitch_diameter,
+                    ..
+                },
+            ) = (self.balls as f64, self.design);
+            let fill = balls * ball_diameter / (PI * pitch_diameter);
+            if fill < LEAST_FILL {
+                let message = format!(
+                    "`balls` is {balls}, which fill {fill:.2} of the circle of `pitch_diameter_mm`, and usual are 0.5 to 0.95: is it \
+                     another number, or another `ball_diameter_mm`?"
+                );
+                doubts.tell(said.place, message);
+            }
+        }
+        let formula = self.design.dynamic_load_rating(self.balls);
+        if let Some(rating) = rating {
+            let [least, most] = [0.5, 2.0].map(|part| short((part * formula).round()));
+            doubts.unusual(
+                r.place(rating.span()),
+                ("dynamic_load_rating_n", *rating.get_ref()),
+                least..=most,
+                "ISO 281 has a figure between for these balls; is it in N?",
+            );
+        }
+    }
+
+    /// What the file says of a quantity.
+    fn said(&self, quantity: Quantity) -> Option<&Said> {
+        self.said.iter().find(|one| one.quantity == quantity)
     }
 
     /// Basic dynamic load rating `C`, N: the maker's if it is known, else by the formula.

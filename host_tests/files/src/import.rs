@@ -21,9 +21,9 @@
 //! probe.nose = { column = "s1 [V]", unit = "um", factor = 25 }   # a [[probe]] of the spindle; um, nm, mm or m
 //! ```
 
-use crate::designs::{DesignFileError, Key, Place, Reading, read_text};
 use crate::lines::SEPARATORS;
 use crate::quantities::{LOADS, OWN, QUANTITIES, Quantity};
+use crate::reading::{DesignFileError, Key, Place, Reading, read_text};
 use crate::units::{Dimension, LENGTHS, Unit, plain};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -299,7 +299,7 @@ impl Import {
         let fault = |span, message: String| Err(r.error(r.place(span), message));
         let mut open = Vec::new();
         let Some(first_row) = keys.first_row else {
-            return Err(r.missing("first_row", "2"));
+            return Err(r.missing(None, "first_row", "2"));
         };
         let header_line = keys.header_line.map(Spanned::into_inner);
         if *first_row.get_ref() <= header_line.unwrap_or(0) {
@@ -314,7 +314,7 @@ impl Import {
             return Err(r.error(Place::TOP, "`header_line` counts from 1"));
         }
         let Some(separator) = keys.separator else {
-            return Err(r.missing("separator", "\"comma\""));
+            return Err(r.missing(None, "separator", "\"comma\""));
         };
         let named = |(name, _): &&(&str, u8)| name == separator.get_ref();
         let separator = match SEPARATORS.iter().find(named) {

@@ -3,6 +3,7 @@
 pub mod calibration;
 pub mod catalogue;
 pub mod designs;
+mod doubts;
 pub mod fault;
 mod identity;
 pub mod import;
@@ -13,6 +14,7 @@ pub mod plan;
 pub mod probes;
 pub mod propose;
 pub mod quantities;
+mod reading;
 pub mod recordings;
 mod shafts;
 pub mod spindles;

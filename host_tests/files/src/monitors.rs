@@ -8,12 +8,14 @@
 //! alarms.
 
 use crate::calibration;
-use crate::designs::{DesignFile, DesignFileError, Key, Place, Reading, short};
+use crate::designs::DesignFile;
+use crate::doubts::Doubts;
+use crate::reading::{DesignFileError, Key, Place, Reading, short};
 use serde::Deserialize;
 use spindle_monitor::Alarm;
 use spindle_monitor::settings::{LOAD_RATE, largest_loads, largest_speed};
 use std::f64::consts::PI;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 
 /// A monitor with every value settled, SI units.
@@ -300,6 +302,20 @@ type OfAlarm = (Alarm, [f64; 3], f64, fn(&keys::AlarmsKeys) -> &AlarmKeys);
 
 const NEVER: f64 = f64::INFINITY;
 
+/// Keys of the five loads.
+const LOADS: [&str; 5] = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"];
+
+/// Usual ranges of loads over those by default, which are 6 % of the load rating `C` of all rows: from 0.012 % to 240 % of `C`.
+const RANGES: [f64; 2] = [2e-3, 40.0];
+/// Usual highest speeds over that by default, which is of fast spindles: from a rotary table's to the fastest of all.
+const SPEEDS: [f64; 2] = [0.01, 3.0];
+/// Usual limits of the peak pressure, GPa: from endurance without end to plastic deformation.
+const PRESSURES: RangeInclusive<f64> = 0.5..=6.0;
+/// Least usual limit in percent over that by default: parts of 1 are a hundredth of percents.
+const LEAST_PERCENT: f64 = 0.05;
+/// Largest usual limit in percent.
+const MOST_PERCENT: f64 = 1e3;
+
 /// In the order of their numbers.
 #[rustfmt::skip]
 const ALARMS: [OfAlarm; 15] = [
@@ -496,6 +512,7 @@ impl MonitorKeys {
         r: Reading<'_>,
         designs: &[DesignFile],
         reference: Option<(f64, Place)>,
+        doubts: &mut Doubts<'_>,
     ) -> Result<MonitorFile, DesignFileError> {
         let mut monitor = MonitorFile::of(designs);
         let p = &self.plausible;
@@ -522,7 +539,93 @@ impl MonitorKeys {
             monitor.temperatures.warm = *warm.get_ref();
         }
         self.contradictions(r, &monitor, reference)?;
+        self.doubt(r, designs, &monitor, doubts);
         Ok(monitor)
+    }
+
+    /// Doubts ranges and levels in other units, and ranges that the file's own cut leaves.
+    fn doubt(
+        &self,
+        r: Reading<'_>,
+        designs: &[DesignFile],
+        m: &MonitorFile,
+        doubts: &mut Doubts<'_>,
+    ) {
+        let usual = MonitorFile::of(designs).plausible;
+        let (p, cut) = (&self.plausible, &self.cut);
+        let ranges = [&p.fx_n, &p.fy_n, &p.fz_n, &p.my_nm, &p.mz_nm];
+        let cuts = [&cut.fx_n, &cut.fy_n, &cut.fz_n, &cut.my_nm, &cut.mz_nm];
+        for (i, key) in LOADS.into_iter().enumerate() {
+            let ([low, high], most) = (m.plausible.load[i], m.overload[i]);
+            if let Some(said) = ranges[i] {
+                let [least, most] = RANGES.map(|part| part * usual.load[i][1]);
+                let key = format!("plausible.{key}");
+                let value = if high > -low { high } else { low };
+                let question = if i < 3 {
+                    "is it in N?"
+                } else {
+                    "is it in N m?"
+                };
+                doubts.unusual(r.place(said.span()), (&key, value), least..=most, question);
+            }
+            let Some(said) = cuts[i] else { continue };
+            let value = *said.get_ref();
+            let leaves = if !(low..=high).contains(&value) {
+                let [low, high] = [low, high].map(short);
+                format!("is plausible from {low} to {high}: records of it are not believed")
+            } else if value.abs() > most {
+                format!("is an overload above {}: it raises the alarm", short(most))
+            } else {
+                continue;
+            };
+            let message = format!(
+                "`cut.{key}` is {value}, and `{key}` {leaves}; is one of them in another unit?"
+            );
+            doubts.tell(r.place(said.span()), message);
+        }
+        if let Some(said) = &p.speed_rpm {
+            let (place, value) = (r.place(said.span()), *said.get_ref());
+            let [least, most] = SPEEDS.map(|part| (part * usual.speed * 30.0 / PI).round());
+            doubts.unusual(
+                place,
+                ("plausible.speed_rpm", value),
+                least..=most,
+                "is it in rpm?",
+            );
+        }
+        if let Some(said) = &cut.speed_rpm {
+            // By default it is that of fast spindles: the fastest ones are twice as fast.
+            let most = m.plausible.speed * if p.speed_rpm.is_some() { 1.0 } else { 2.0 };
+            let (value, most) = (*said.get_ref(), most * 30.0 / PI);
+            if value.abs() > most {
+                let message = format!(
+                    "`cut.speed_rpm` is {value}, and `plausible.speed_rpm` {}: records of it are not believed; is one of them in another \
+                     unit?",
+                    short(most)
+                );
+                doubts.tell(r.place(said.span()), message);
+            }
+        }
+        for alarm in &ALARMS {
+            let (alarm, [limit, ..], _, keys) = *alarm;
+            let (name, (unit, _)) = (alarm.name(), alarm.unit());
+            let usual = match (alarm, unit) {
+                (_, "GPa") => PRESSURES,
+                (_, "%") => LEAST_PERCENT * limit..=MOST_PERCENT,
+                (Alarm::Slip, _) => 0.0..=1.0,
+                _ => continue,
+            };
+            if let Some(said) = &keys(&self.alarm).limit {
+                let key = format!("alarm.{name}.limit");
+                let unit = if unit.is_empty() { "a part of 1" } else { unit };
+                doubts.unusual(
+                    r.place(said.span()),
+                    (&key, *said.get_ref()),
+                    usual,
+                    &format!("is it in {unit}?"),
+                );
+            }
+        }
     }
 
     /// Where loads come from.

@@ -1,7 +1,8 @@
 //! Noses of a spindle file: points on the shaft by name, `[nose]` and `[nose.tool]`.
 
-use crate::designs::{DesignFileError, Key, POSITIONS, Reading, millimetres};
+use crate::doubts::{Doubts, Extent};
 use crate::plan::ShaftEnd;
+use crate::reading::{DesignFileError, Key, POSITIONS, Place, Reading, millimetres};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use std::fmt;
 use toml::Spanned;
@@ -72,7 +73,13 @@ impl<'de> Deserialize<'de> for NoseKeys {
 }
 
 impl EndKeys {
-    fn read(self, r: Reading<'_>, name: &str, bends: bool) -> Result<Nose, DesignFileError> {
+    fn read(
+        self,
+        r: Reading<'_>,
+        name: &str,
+        place: Place,
+        (extent, doubts): (&Extent, &mut Doubts<'_>),
+    ) -> Result<Nose, DesignFileError> {
         let table = match name {
             PLAIN => PLAIN.to_owned(),
             name => format!("{PLAIN}.{name}"),
@@ -80,14 +87,25 @@ impl EndKeys {
         if let Some(position) = &self.position_mm {
             r.within("position_mm", position, POSITIONS)?;
         }
-        let position = r.needed(&table, "position_mm", "-60", self.position_mm)?;
+        let at = self
+            .position_mm
+            .as_ref()
+            .map_or(place, |said| r.place(said.span()));
+        let position = r.needed((&table, place), "position_mm", "-60", self.position_mm)?;
         let mut end = ShaftEnd::rigid(millimetres(position));
+        if extent.is_far(end.position) {
+            let words = extent.words(end.position);
+            doubts.tell(
+                at,
+                format!("`position_mm` of [{table}] is {position}, {words}: is it in mm?"),
+            );
+        }
         for (key, value, freedoms) in [
             ("axial_um_per_kn", self.axial_um_per_kn, 0..1),
             ("radial_um_per_kn", self.radial_um_per_kn, 1..3),
         ] {
             let Some(value) = value else { continue };
-            if bends {
+            if extent.is_drawn() {
                 let message = format!(
                     "`{key}` is for a rigid shaft, and the `sections` of [shaft] bend; remove it, or draw this end as a section"
                 );
@@ -108,12 +126,18 @@ impl EndKeys {
 }
 
 impl NoseKeys {
-    /// The noses, the plain one first, on a shaft that `bends` or does not.
-    pub fn read(self, r: Reading<'_>, bends: bool) -> Result<Vec<Nose>, DesignFileError> {
+    /// The noses of the table at this place, the plain one first.
+    pub fn read(
+        self,
+        r: Reading<'_>,
+        table: Place,
+        extent: &Extent,
+        doubts: &mut Doubts<'_>,
+    ) -> Result<Vec<Nose>, DesignFileError> {
         let mut noses = Vec::new();
         if self.plain.is_some() || self.named.is_empty() {
             let plain = self.plain.unwrap_or_default();
-            noses.push(plain.read(r, PLAIN, bends)?);
+            noses.push(plain.read(r, PLAIN, table, (extent, &mut *doubts))?);
         }
         for (name, keys) in self.named {
             let (place, name) = (r.place(name.span()), name.into_inner());
@@ -123,7 +147,7 @@ impl NoseKeys {
                     "the name of a nose has letters, digits, `-` and `_`, and is not `nose`";
                 return Err(r.error(place, message));
             }
-            noses.push(keys.read(r, &name, bends)?);
+            noses.push(keys.read(r, &name, place, (extent, &mut *doubts))?);
         }
         Ok(noses)
     }

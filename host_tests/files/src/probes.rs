@@ -1,8 +1,10 @@
 //! Probes of a spindle file: sensors of displacement that see the shaft against the housing, `[[probe]]`.
 
-use crate::designs::{DesignFileError, Key, Reading, millimetres};
+use crate::doubts::{Doubts, Extent};
 use crate::monitors::Bridges;
+use crate::reading::{DesignFileError, Key, POSITIONS, Reading, millimetres};
 use serde::Deserialize;
+use std::ops::RangeInclusive;
 use toml::Spanned;
 
 /// Most probes of a spindle.
@@ -13,6 +15,9 @@ const CHANNELS: usize = 8;
 
 /// Accuracy of a probe that does not say it, um: that of an eddy current probe.
 const ACCURACY: f64 = 0.5;
+
+/// Accuracies of displacement sensors, um: from capacitive ones in a laboratory to inductive ones in a machine.
+const ACCURACIES: RangeInclusive<f64> = 0.005..=20.0;
 
 /// A probe.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,6 +79,8 @@ pub(crate) fn read(
     r: Reading<'_>,
     tables: Vec<Spanned<ProbeKeys>>,
     bridges: Option<&Bridges>,
+    extent: &Extent,
+    doubts: &mut Doubts<'_>,
 ) -> Result<Vec<Probe>, DesignFileError> {
     let mut probes: Vec<Probe> = Vec::new();
     for table in tables {
@@ -100,6 +107,15 @@ pub(crate) fn read(
         }
         let position = keys.position_mm;
         let position = position.ok_or_else(|| missing("position_mm = -10"))?;
+        let (at, said) = (r.place(position.span()), *position.get_ref());
+        r.within("position_mm", &position, POSITIONS)?;
+        if extent.is_beyond(millimetres(said)) {
+            let words = extent.words(millimetres(said));
+            let message = format!(
+                "`position_mm` of the probe {name} is {said}, {words}: can it see the shaft there?"
+            );
+            doubts.tell(at, message);
+        }
         let angle = match (keys.direction.map(Spanned::into_inner), keys.angle_deg) {
             (Some(Direction::Axial(Axis::X)), None) => None,
             (Some(Direction::Radial(angle)), None) => Some(angle),
@@ -122,7 +138,12 @@ pub(crate) fn read(
                 );
                 return Err(r.error(r.place(accuracy.span()), message));
             }
-            accuracy => accuracy.map_or(ACCURACY, Spanned::into_inner),
+            Some(accuracy) => {
+                let (at, said) = (r.place(accuracy.span()), accuracy.into_inner());
+                doubts.unusual(at, ("accuracy_um", said), ACCURACIES, "is it in um?");
+                said
+            }
+            None => ACCURACY,
         };
         let channel = match (keys.channel, keys.um_per_count) {
             (None, None) => None,

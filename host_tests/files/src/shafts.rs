@@ -1,7 +1,9 @@
 //! The elastic shaft of a spindle file, and the supports of its rows.
 
-use crate::designs::{DesignFileError, Key, Place, Reading, millimetres, short};
+use crate::designs::{DesignFile, MODULI, RATIOS};
+use crate::doubts::{Doubts, Extent};
 use crate::plan::{MOST_SECTIONS, Row};
+use crate::reading::{DesignFileError, Key, Place, Reading, millimetres, short};
 use serde::Deserialize;
 use spindle_bearing::{Growth, Material, Quantity, Section, Shaft, ShaftError, Support};
 use std::ops::RangeInclusive;
@@ -34,26 +36,42 @@ pub(crate) struct SupportKeys {
     tilting_nm_per_rad: Key<f64>,
 }
 
+/// Usual stiffness of a support along and across the axis, N/um: from a slender quill's to a rigid housing's, whose ring has half of
+/// that by itself.
+const SUPPORTS: RangeInclusive<f64> = 1.0..=20_000.0;
+/// Largest usual stiffness against tilting, N m/rad: the largest radial one on an arm of 70 mm.
+const MOST_TILTING: f64 = 1e8;
+
 /// Least stiffness of a support that the library takes: along and across the axis, N/m, and against tilting, N m/rad.
 const LEAST_SUPPORT: f64 = 1e5;
 const LEAST_TILTING: f64 = 1.0;
 
 impl SupportKeys {
     /// The support of the row of this number.
-    pub fn read(&self, r: Reading<'_>, row: usize) -> Result<Support<f64>, DesignFileError> {
-        let stiffness = |key: &str, value: &Key<f64>, unit: f64, least: f64| {
+    pub fn read(
+        &self,
+        r: Reading<'_>,
+        row: usize,
+        doubts: &mut Doubts<'_>,
+    ) -> Result<Support<f64>, DesignFileError> {
+        let mut stiffness = |key: &str, value: &Key<f64>, unit: f64, least: f64| {
             let Some(value) = value else {
                 return Ok(f64::INFINITY);
             };
-            let said = value.get_ref();
+            let (place, said) = (r.place(value.span()), *value.get_ref());
             if said * unit >= least {
+                let (usual, question) = match unit {
+                    1.0 => (least..=MOST_TILTING, "is it in N m/rad?"),
+                    _ => (SUPPORTS, "is it in N/um?"),
+                };
+                doubts.unusual(place, (key, said), usual, question);
                 return Ok(said * unit);
             }
             let least = least / unit;
             let message = format!(
                 "row {row}: `{key}` is {said}, but must be {least} at least; leave it out for a rigid support"
             );
-            Err(r.error(r.place(value.span()), message))
+            Err(r.error(place, message))
         };
         Ok(Support {
             axial: stiffness("axial_n_per_um", &self.axial_n_per_um, 1e6, LEAST_SUPPORT)?,
@@ -85,16 +103,26 @@ impl ShaftKeys {
     pub fn sections(
         &self,
         r: Reading<'_>,
+        doubts: &mut Doubts<'_>,
     ) -> Result<(Option<Vec<Section>>, Material), DesignFileError> {
         let mut material = Material::STEEL;
         let mut for_sections = None;
         if let Some(value) = &self.youngs_modulus_gpa {
-            material.youngs_modulus = value.get_ref() * 1e9;
-            for_sections = Some(("youngs_modulus_gpa", value.span()));
+            let (key, said) = ("youngs_modulus_gpa", *value.get_ref());
+            material.youngs_modulus = said * 1e9;
+            for_sections = Some((key, value.span()));
+            doubts.unusual(r.place(value.span()), (key, said), MODULI, "is it in GPa?");
         }
         if let Some(value) = &self.poissons_ratio {
-            material.poissons_ratio = *value.get_ref();
-            for_sections = Some(("poissons_ratio", value.span()));
+            let (key, said) = ("poissons_ratio", *value.get_ref());
+            material.poissons_ratio = said;
+            for_sections = Some((key, value.span()));
+            doubts.unusual(
+                r.place(value.span()),
+                (key, said),
+                RATIOS,
+                "is it that ratio?",
+            );
         }
         let Some(keys) = &self.sections else {
             let Some((key, span)) = for_sections else {
@@ -163,6 +191,7 @@ impl ShaftKeys {
     pub fn bores(
         &self,
         r: Reading<'_>,
+        table: Place,
         sections: Option<&[Section]>,
         rows: &[(&Row, Place)],
     ) -> Result<Vec<f64>, DesignFileError> {
@@ -209,38 +238,68 @@ impl ShaftKeys {
             (None, None, None) if self.grow_with_speed.is_none() => {
                 let message =
                     "[shaft] lacks `bore_mm`; add a line such as `bore_mm = 40`, or `sections`";
-                Err(r.error(Place::TOP, message))
+                Err(r.error(table, message))
             }
             (None, None, _) => Ok(Vec::new()),
         }
     }
 
-    /// Diameters that do not fit the bores of the bearings of the `rows`, mm, as far as these are known.
-    pub fn doubts(
+    /// Doubts places of the `rows` that are off all sections, and diameters that do not fit the bores of their bearings, as far as
+    /// these are known.
+    pub fn doubt(
         &self,
+        r: Reading<'_>,
         sections: Option<&[Section]>,
-        rows: &[(&Row, Option<f64>)],
-    ) -> Vec<String> {
-        let mut doubts = Vec::new();
-        for (i, (row, bore)) in rows.iter().enumerate() {
-            let Some(bore) = bore else { continue };
-            let own = self.bore_mm.as_ref().map(|own| *own.get_ref());
-            if let Some(own) = own.filter(|own| own / bore > *SEAT.start()) {
-                doubts.push(format!(
-                    "row {i}: `bore_mm` of [shaft] is {own}, and the bearing's bore {bore}: is it that of the hollow shaft?"
-                ));
+        rows: &[(&Row, Place)],
+        designs: &[DesignFile],
+        doubts: &mut Doubts<'_>,
+    ) {
+        let (sections, mut told) = (sections.unwrap_or_default(), Vec::new());
+        for (i, ((row, place), design)) in rows.iter().zip(designs).enumerate() {
+            let alone = Extent::drawn(sections, row.design.pitch_diameter);
+            if !sections.is_empty() && alone.is_beyond(row.position) {
+                let words = alone.words(row.position);
+                doubts.tell(*place, format!("row {i}: `position_mm` is {}, {words}: does it sit on the shaft? rows count from 0", short(1e3 * row.position)));
             }
-            let at = |section: &&Section| (section.from..=section.to).contains(&row.position);
-            let outer = sections.unwrap_or_default().iter().filter(at);
-            let outer: Vec<f64> = outer.map(|section| short(1e3 * section.outer)).collect();
-            let fits = outer.iter().any(|outer| SEAT.contains(&(outer / bore)));
-            if let (Some(outer), false) = (outer.first(), fits) {
-                doubts.push(format!(
-                    "row {i}: `outer_mm` of the section there is {outer}, and the bearing's bore {bore}: is it the diameter?"
-                ));
+            let bore = design.size_mm[0];
+            let own = self.bore_mm.as_ref();
+            let own = own.map(|own| (r.place(own.span()), *own.get_ref()));
+            if let (Some(bore), Some((place, own))) = (bore, own)
+                && own / bore > *SEAT.start()
+                && !told.contains(&place)
+            {
+                told.push(place);
+                let message = format!(
+                    "`bore_mm` of [shaft] is {own}, and the bore of row {i}'s bearing {bore}: is it that of the hollow shaft?"
+                );
+                doubts.tell(place, message);
+            }
+            let there = |section: &&Spanned<SectionKeys>| {
+                let section = section.get_ref().section();
+                (section.from..=section.to).contains(&row.position)
+            };
+            let outer = self.sections.iter().flatten().filter(there);
+            let outer: Vec<_> = outer.map(|section| &section.get_ref().outer_mm).collect();
+            // The shaft ends at the groove, at least, where the bore is not known.
+            let groove = 1e3 * row.design.pitch_diameter;
+            let fits = outer.iter().any(|outer| match bore {
+                Some(bore) => SEAT.contains(&(outer.get_ref() / bore)),
+                None => *outer.get_ref() < groove,
+            });
+            let outer = outer
+                .first()
+                .map(|outer| (r.place(outer.span()), outer.get_ref()));
+            let outer = outer.filter(|(place, _)| !fits && !told.contains(place));
+            if let Some((place, outer)) = outer {
+                told.push(place);
+                let (of, size) = bore.map_or(("pitch diameter", groove), |bore| ("bore", bore));
+                let message = format!(
+                    "`outer_mm` of the section at row {i} is {outer}, and the {of} of its bearing {}: is it the diameter?",
+                    short(size)
+                );
+                doubts.tell(place, message);
             }
         }
-        doubts
     }
 }
 

@@ -9,6 +9,7 @@
 //!
 //! [[row]]
 //! bearing = "7014c.toml"         # a design file beside this one, or its keys under [row.design]
+//! # ball = { youngs_modulus_gpa = 310, poissons_ratio = 0.26, density_kg_m3 = 3200 }  # with balls of another material
 //! position_mm = 0
 //! facing = "+x"                  # an axial load in +x on the shaft presses its balls
 //! # preload_offset_um = 10.3     # or the closure of this row; closures of two rows that face each other add up
@@ -69,22 +70,24 @@
 //! On a rigid shaft, loads are referred to `x = 0`. With `sections` or a `support`, they act where they stand.
 
 use crate::catalogue;
-use crate::designs::{
-    ConstantLoadKeys, DesignFile, DesignFileError, Key, Keys, LoadKeys, Loading, Place, Reading,
-    micrometres, millimetres, read_text,
-};
+use crate::designs::{BallKeys, ConstantLoadKeys, DesignFile, Keys, LoadKeys, Loading};
+use crate::doubts::{Doubts, Extent};
 use crate::monitors::{MonitorFile, MonitorKeys};
 use crate::noses::{Nose, NoseKeys, PLAIN};
 use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Part, Plan, Question, Row, ShaftEnd};
 use crate::probes::{self, Probe, ProbeKeys};
+use crate::reading::{
+    DesignFileError, Key, Place, Reading, micrometres, millimetres, read_text, short,
+};
 use crate::recordings::LoadRow;
 use crate::shafts::{ShaftKeys, SupportKeys};
 use crate::units::celsius;
 use serde::Deserialize;
 use spindle_bearing::{
-    Arrangement, Design, Expansion, Facing, Growth, LifeRating, Material, Preload, ShaftLoad,
-    Support,
+    Arrangement, Design, Expansion, Facing, FreeContact, Growth, LifeRating, Material, Preload,
+    ShaftLoad, Support,
 };
+use std::ops::RangeInclusive;
 use std::path::Path;
 use toml::Spanned;
 
@@ -137,10 +140,10 @@ struct SpindleKeys {
     mounted_preload_n: Key<f64>,
     #[serde(default)]
     row: Vec<Spanned<RowKeys>>,
-    spring: Option<SpringKeys>,
-    shaft: Option<ShaftKeys>,
-    heat: Option<HeatKeys>,
-    nose: Option<NoseKeys>,
+    spring: Option<Spanned<SpringKeys>>,
+    shaft: Option<Spanned<ShaftKeys>>,
+    heat: Option<Spanned<HeatKeys>>,
+    nose: Option<Spanned<NoseKeys>>,
     #[serde(default)]
     probe: Vec<Spanned<ProbeKeys>>,
     load: Option<LoadKeys>,
@@ -154,6 +157,7 @@ struct SpindleKeys {
 #[serde(deny_unknown_fields)]
 struct RowKeys {
     bearing: Key<String>,
+    ball: Option<Spanned<BallKeys>>,
     design: Option<Spanned<Keys>>,
     position_mm: Key<f64>,
     facing: Key<String>,
@@ -181,6 +185,24 @@ struct HeatKeys {
     ball_per_k: Key<f64>,
 }
 
+/// Growth of a row over its pitch diameter, and of its balls over theirs: a stress of 200 MPa in steel, or 90 K.
+const MOST_GROWTH: f64 = 1e-3;
+
+/// Thermal expansion of materials, 1/K: from carbon fibre to zinc.
+const EXPANSIONS: RangeInclusive<f64> = -2e-6..=3.5e-5;
+
+/// Preload, or force of a spring, over the load rating of a row, at least: makers' light preloads are 2 to 5 thousandths.
+const LEAST_PRELOAD: f64 = 1e-3;
+
+/// Closures as ground, um: rings are measured to some tenths.
+const OFFSETS: RangeInclusive<f64> = 0.1..=200.0;
+
+/// Distance of two rows over their balls' diameter, at least: bearings are 1.5 balls wide, and double rows of one bearing 1.1 balls.
+const NEAREST: f64 = 0.95;
+
+/// Constant load over the load rating of a row, at least: less is without effect on it.
+const LEAST_LOAD: f64 = 5e-5;
+
 const ARRANGEMENTS: [Arrangement; 4] = [
     Arrangement::BackToBack,
     Arrangement::FaceToFace,
@@ -203,6 +225,17 @@ fn named<T: Copy>(
     })
 }
 
+/// Whether angular contact bearings face each other.
+fn are_opposed(rows: &[Row]) -> bool {
+    let has_angle = |row: &&Row| match row.design.free_contact {
+        FreeContact::Angle(angle) => angle > 0.0,
+        FreeContact::DiametralClearance(_) => false,
+    };
+    let mut rows = rows.iter().filter(has_angle);
+    let first = rows.next().map(|row| row.facing);
+    rows.any(|row| Some(row.facing) != first)
+}
+
 fn shaft_loads(forces: impl IntoIterator<Item = (f64, [f64; 3])>) -> Vec<ShaftLoad<f64>> {
     let forces = forces.into_iter();
     let loads = forces.map(|(position, [fx, fy, fz])| ShaftLoad {
@@ -212,11 +245,26 @@ fn shaft_loads(forces: impl IntoIterator<Item = (f64, [f64; 3])>) -> Vec<ShaftLo
     loads.collect()
 }
 
-/// Whether a file describes a spindle: it has rows.
+/// Whether a file describes a spindle: it has rows, or what a bearing has not.
 fn is_spindle(text: &str) -> bool {
+    const ITS_OWN: [&str; 10] = [
+        "row",
+        "rows",
+        "arrangement",
+        "preload_n",
+        "mounted_preload_n",
+        "spring",
+        "shaft",
+        "heat",
+        "nose",
+        "probe",
+    ];
     match text.parse::<toml::Table>() {
-        Ok(table) => table.contains_key("row"),
-        Err(_) => text.contains("[[row]]"),
+        Ok(table) => {
+            let has = |key: &&str| table.contains_key(*key);
+            has(&"row") || !has(&"balls") && ITS_OWN.iter().any(|key| has(&key))
+        }
+        Err(_) => text.contains("[[row"),
     }
 }
 
@@ -232,7 +280,7 @@ impl From<DesignFile> for SpindleFile {
             bores: Vec::new(),
             heat: None,
             monitor: MonitorFile::of(std::slice::from_ref(&file)),
-            doubts: Vec::new(),
+            doubts: file.doubts.clone(),
             loading: file.loading.clone(),
             file: String::new(),
             designs: vec![file],
@@ -272,12 +320,7 @@ impl SpindleFile {
         {
             return found.map(Self::from);
         }
-        let (file, text) = read_text(path).map_err(|mut error| {
-            if !path.exists() && path.extension().is_none() {
-                error.message += "; nor is it in the catalogue, which `cargo replay --list` has";
-            }
-            error
-        })?;
+        let (file, text) = read_text(path).map_err(|error| catalogue::hint(path, error))?;
         if is_spindle(&text) {
             let folder = path.parent().unwrap_or_else(|| Path::new(""));
             Self::parse(&file, &text, folder)
@@ -295,7 +338,7 @@ impl SpindleFile {
         let r = Reading { file, text };
         let keys: SpindleKeys = r.keys()?;
         let Some(name) = keys.name else {
-            return Err(r.missing("name", "\"7014C back to back\""));
+            return Err(r.missing(None, "name", "\"7014C back to back\""));
         };
         Loading::check(r, keys.load.as_ref(), &keys.constant_load)?;
         let (together, mounted) = (keys.preload_n, keys.mounted_preload_n);
@@ -310,6 +353,7 @@ impl SpindleFile {
         };
         let (mut rows, mut growth, mut designs) = (Vec::new(), Vec::new(), Vec::new());
         let (mut supports, mut row_places, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        let mut doubts = Doubts::of(r);
         let preload = together.as_ref().or(mounted.as_ref());
         places.extend(preload.map(|force| (Part::Preload, r.place(force.span()))));
         for (i, row) in keys.row.into_iter().enumerate() {
@@ -321,24 +365,38 @@ impl SpindleFile {
                     format!("this row lacks `{key}`; add a line such as `{key} = {example}`"),
                 )
             };
+            let is_own = row.bearing.is_none();
             let design = match (row.bearing, row.design) {
                 (Some(bearing), None) => {
                     let name = bearing.get_ref();
                     let path = folder.join(name);
                     let found = catalogue::find(name).filter(|_| !path.exists());
-                    let design = found.unwrap_or_else(|| DesignFile::read(path));
+                    let read = || DesignFile::read(&path);
+                    let read = || read().map_err(|error| catalogue::hint(&path, error));
+                    let design = found.unwrap_or_else(read);
                     design.map_err(|error| match error.place {
                         // It is this file's line that names it.
                         None => r.error(r.place(bearing.span()), error.to_string()),
                         Some(_) => error,
                     })?
                 }
-                (None, Some(keys)) => DesignFile::of(r, keys.into_inner())?,
+                (None, Some(keys)) => {
+                    let table = r.place(keys.span());
+                    DesignFile::of(r, keys.into_inner(), Some(table))?
+                }
                 (Some(bearing), Some(_)) => {
                     let message = "the row has `bearing` and [row.design]; remove one of them";
                     return Err(r.error(r.place(bearing.span()), message));
                 }
                 (None, None) => return Err(missing("bearing", "\"7014c.toml\"")),
+            };
+            let design = match row.ball {
+                Some(ball) if is_own => {
+                    let message = "`ball` is for a `bearing`; move it into [row.design]";
+                    return Err(r.error(r.place(ball.span()), message));
+                }
+                Some(ball) => design.with_balls(r, ball.into_inner(), &mut doubts)?,
+                None => design,
             };
             if design.loading != Loading::default() {
                 let message = "a row has no loads: [load] and [[constant_load]] are the spindle's";
@@ -352,6 +410,10 @@ impl SpindleFile {
             let offset = row.preload_offset_um;
             if let Some(offset) = &offset {
                 note(Part::Closure(i), offset.span());
+                let (place, said) = (r.place(offset.span()), *offset.get_ref());
+                if said != 0.0 {
+                    doubts.unusual(place, ("preload_offset_um", said), OFFSETS, "is it in um?");
+                }
             }
             let closure = micrometres(offset.as_ref().map_or(0.0, |offset| *offset.get_ref()));
             let preload = match (spring, &together) {
@@ -377,16 +439,29 @@ impl SpindleFile {
             let Some(facing) = row.facing else {
                 return Err(missing("facing", "\"+x\""));
             };
-            let support = row.support.map(|keys| keys.read(r, supports.len()));
+            let support = row.support.map(|keys| keys.read(r, i, &mut doubts));
             supports.push(support.transpose()?);
-            let grown = |key: &str, said: Key<f64>| match said {
-                Some(said) => r.within(key, &said, -1e3..=1e3).map(micrometres),
-                None => Ok(0.0),
+            let mut grown = |key: &str, said: Key<f64>, of: f64| {
+                let Some(said) = said else { return Ok(0.0) };
+                let most = short(1e6 * MOST_GROWTH * of);
+                let question = "is it in um?";
+                doubts.unusual(
+                    r.place(said.span()),
+                    (key, *said.get_ref()),
+                    -most..=most,
+                    question,
+                );
+                r.within(key, &said, -1e3..=1e3).map(micrometres)
             };
+            let Design {
+                pitch_diameter,
+                ball_diameter,
+                ..
+            } = design.design;
             growth.push(Growth {
-                axial: grown("axial_growth_um", row.axial_growth_um)?,
-                radial: grown("radial_growth_um", row.radial_growth_um)?,
-                ball: grown("ball_growth_um", row.ball_growth_um)?,
+                axial: grown("axial_growth_um", row.axial_growth_um, f64::INFINITY)?,
+                radial: grown("radial_growth_um", row.radial_growth_um, pitch_diameter)?,
+                ball: grown("ball_growth_um", row.ball_growth_um, ball_diameter)?,
             });
             note(Part::Position(i), position.span());
             note(Part::Facing(i), facing.span());
@@ -404,27 +479,87 @@ impl SpindleFile {
         if !(1..=MOST_ROWS).contains(&rows.len()) {
             return Err(r.error(r.place(0..0), BuildError::Rows(rows.len()).to_string()));
         }
+        let ratings = designs.iter();
+        let ratings = ratings.map(|of| of.design.dynamic_load_rating(of.balls));
+        let (least, sum) = ratings.fold((f64::INFINITY, 0.0), |(least, sum), c| {
+            (c.min(least), sum + c)
+        });
+        let spring = keys.spring.as_ref();
+        for (key, said) in [
+            ("preload_n", &together),
+            ("mounted_preload_n", &mounted),
+            (
+                "force_n",
+                spring.map_or(&None, |keys| &keys.get_ref().force_n),
+            ),
+        ] {
+            if let Some(said) = said {
+                let usual = LEAST_PRELOAD * least..=0.5 * least;
+                doubts.unusual(
+                    r.place(said.span()),
+                    (key, *said.get_ref()),
+                    usual,
+                    "is it in N?",
+                );
+            }
+        }
         let spring = keys.spring.map(|keys| {
+            let table = ("spring", r.place(keys.span()));
+            let keys = keys.into_inner();
             let place = keys.force_n.as_ref().map(|force| r.place(force.span()));
             places.extend(place.map(|place| (Part::Spring, place)));
-            r.needed("spring", "force_n", "300", keys.force_n)
+            r.needed(table, "force_n", "300", keys.force_n)
         });
         for (i, load) in keys.constant_load.iter().enumerate() {
             places.extend(load.places(r, i));
         }
-        let mut loading = Loading::of(keys.load, keys.constant_load);
         let (sections, material) = match &keys.shaft {
-            Some(keys) => keys.sections(r)?,
+            Some(keys) => keys.get_ref().sections(r, &mut doubts)?,
             None => (None, Material::STEEL),
         };
+        let is_preloaded = together.is_some() || mounted.is_some() || spring.is_some();
+        let is_closed = places
+            .iter()
+            .any(|(part, _)| matches!(part, Part::Closure(_)));
+        if !is_preloaded && !is_closed && are_opposed(&rows) {
+            let message = "no row has a preload, and usual is one: add `preload_n`, `mounted_preload_n`, `preload_offset_um` or [spring]";
+            doubts.tell(Place::TOP, message.to_owned());
+        }
+        for (i, (row, place)) in rows.iter().zip(&row_places).enumerate() {
+            let distances = rows[..i]
+                .iter()
+                .map(|other| (other.position - row.position).abs());
+            let nearest = distances.fold(f64::INFINITY, f64::min);
+            if nearest < NEAREST * row.design.ball_diameter {
+                let [nearest, ball] = [nearest, row.design.ball_diameter].map(|x| short(1e3 * x));
+                let message = format!(
+                    "row {i}: `position_mm` is {}, {nearest} mm from another row, and balls are {ball} mm: are there two rows? rows count \
+                     from 0",
+                    short(1e3 * row.position)
+                );
+                doubts.tell(*place, message);
+            }
+        }
+        let extent = Extent::of(&rows, sections.as_deref().unwrap_or_default());
+        let noses = keys.nose.map(|keys| {
+            let table = r.place(keys.span());
+            keys.into_inner().read(r, table, &extent, &mut doubts)
+        });
+        let noses = noses.transpose()?.unwrap_or_default();
+        Loading::check_on(
+            (r, &mut doubts),
+            (keys.load.as_ref(), &keys.constant_load),
+            (&extent, &noses),
+            LEAST_LOAD * least..=sum,
+        )?;
+        let mut loading = Loading::of(keys.load, keys.constant_load);
         let bends = sections.is_some();
         let placed: Vec<(&Row, Place)> = rows.iter().zip(row_places).collect();
-        let of_bearings = designs.iter().map(|design| design.size_mm[0]);
-        let of_bearings: Vec<_> = rows.iter().zip(of_bearings).collect();
-        let (mut bores, mut doubts) = (Vec::new(), Vec::new());
+        let mut bores = Vec::new();
         if let Some(keys) = &keys.shaft {
-            bores = keys.bores(r, sections.as_deref(), &placed)?;
-            doubts = keys.doubts(sections.as_deref(), &of_bearings);
+            let (place, keys) = (r.place(keys.span()), keys.get_ref());
+            bores = keys.bores(r, place, sections.as_deref(), &placed)?;
+            keys.doubt(r, sections.as_deref(), &placed, &designs, &mut doubts);
         }
         let is_elastic = bends || supports.iter().any(Option::is_some);
         let shaft = is_elastic.then(|| {
@@ -440,20 +575,36 @@ impl SpindleFile {
                 loaded_at: position,
             }
         });
-        let reference = keys
-            .heat
-            .as_ref()
-            .and_then(|heat| heat.reference_c.as_ref());
+        let reference = keys.heat.as_ref();
+        let reference = reference.and_then(|heat| heat.get_ref().reference_c.as_ref());
         let reference = reference.map(|said| (*said.get_ref(), r.place(said.span())));
         let heat = keys.heat.map(|keys| {
+            let table = ("heat", r.place(keys.span()));
+            let keys = keys.into_inner();
             let place = keys.reference_c.as_ref().map(|value| r.place(value.span()));
-            let reference = r.needed("heat", "reference_c", "20", keys.reference_c)?;
+            let said = keys.reference_c.as_ref().map(|value| *value.get_ref());
+            if let (Some(place), Some(said)) = (place, said) {
+                doubts.unusual(
+                    place,
+                    ("reference_c", said),
+                    0.0..=60.0,
+                    "is it in degrees Celsius?",
+                );
+            }
+            let reference = r.needed(table, "reference_c", "20", keys.reference_c)?;
             if let (Err(message), Some(place)) = (celsius(reference), place) {
                 return Err(r.error(place, format!("reference_c: {message}")));
             }
-            let per_kelvin = |key: &str, said: Key<f64>, steel: f64| match said {
-                Some(said) => r.within(key, &said, -1e-4..=1e-4),
-                None => Ok(steel),
+            let mut per_kelvin = |key: &str, said: Key<f64>, steel: f64| {
+                let Some(said) = said else { return Ok(steel) };
+                let value = *said.get_ref();
+                doubts.unusual(
+                    r.place(said.span()),
+                    (key, value),
+                    EXPANSIONS,
+                    "is it in 1/K?",
+                );
+                r.within(key, &said, -1e-4..=1e-4)
             };
             let steel = Expansion::STEEL;
             Ok(Heat {
@@ -466,11 +617,16 @@ impl SpindleFile {
                 },
             })
         });
-        let noses = keys.nose.map(|keys| keys.read(r, bends));
         let spring = spring.transpose()?;
-        let noses = noses.transpose()?.unwrap_or_default();
         let heat = heat.transpose()?;
-        let monitor = keys.monitor.read(r, &designs, reference)?;
+        let monitor = keys.monitor.read(r, &designs, reference, &mut doubts)?;
+        // The spindle's nose may not be drawn; a tool is not what a probe sees.
+        let nose = noses.iter().filter(|nose| nose.name == PLAIN);
+        let extent = extent.with(nose.map(|nose| nose.end.position));
+        let bridges = monitor.bridges.as_ref();
+        let probes = probes::read(r, keys.probe, bridges, &extent, &mut doubts)?;
+        let of_designs = designs.iter().flat_map(|design| design.doubts.clone());
+        let doubts = doubts.finish(of_designs);
         Ok(Self {
             name: name.into_inner(),
             is_bearing: false,
@@ -482,7 +638,7 @@ impl SpindleFile {
                 shaft,
             },
             noses,
-            probes: probes::read(r, keys.probe, monitor.bridges.as_ref())?,
+            probes,
             growth,
             bores,
             heat,

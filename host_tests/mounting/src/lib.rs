@@ -240,7 +240,8 @@ fn refused<T: Real>(error: &SpindleError<T>, loaded_at: f64) -> BuildError {
             (part, error.to_string())
         }
         SpindleError::NotArranged { row, .. } | SpindleError::Unopposed { row } => {
-            (Part::Facing(row), error.to_string())
+            let message = format!("{error}; rows count from 0");
+            (Part::Facing(row), message)
         }
         SpindleError::NoSpring { row } => {
             let message = format!(

@@ -11,6 +11,7 @@ mod cutting;
 mod cycle;
 mod designs;
 mod docs;
+mod doubts;
 mod edges;
 mod elastic;
 mod elastic_far;

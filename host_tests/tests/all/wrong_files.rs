@@ -77,7 +77,7 @@ limit = 90
 type Mutation = (&'static str, &'static str, usize, usize, &'static str);
 
 #[rustfmt::skip]
-const MUTATIONS: [Mutation; 120] = [
+const MUTATIONS: [Mutation; 126] = [
     ("name = \"all sections\"", "", 1, 1, "the key `name` is missing; add a line such as `name ="),
     ("arrangement = \"back-to-back\"", "arrangement = \"DB\"", 2, 15, "\"DB\" is none of \"back-to-back\", \"face-to-face\", \"tandem\","),
     ("arrangement = \"back-to-back\"", "arrangement = \"face-to-face\"", 25, 10, "row 1 faces -x, which is not face-to-face: face to face,"),
@@ -101,7 +101,7 @@ const MUTATIONS: [Mutation; 120] = [
     ("radial_growth_um = 1", "radial_growth_mm = 1", 8, 1, "unknown field `radial_growth_mm`"),
     ("facing = \"+x\"", "facing = \"-x\"", 25, 10, "row 1 faces -x, which is not back-to-back: back to back,"),
     ("facing = \"+x\"", "facing = \"x\"", 7, 10, "\"x\" is none of \"+x\", \"-x\""),
-    ("facing = \"-x\"", "facing = \"+x\"", 25, 10, "row 1 faces +x, which is not back-to-back: back to back,"),
+    ("facing = \"-x\"", "facing = \"+x\"", 25, 10, "row 1 faces +x, which is not back-to-back: back to back, rows at smaller x face +x and rows at larger x face -x; rows count from 0"),
     ("axial_n_per_um = 400, radial", "axial_n_per_um = 0, radial", 9, 30, "row 0: `axial_n_per_um` is 0, but must be 0.1 at least;"),
     ("axial_n_per_um = 400, radial", "axial_n_per_um = -4, radial", 9, 30, "row 0: `axial_n_per_um` is -4, but must be 0.1 at least;"),
     ("axial_n_per_um = 400, radial", "axial_n_per_um = 0.01, radial", 9, 30, "row 0: `axial_n_per_um` is 0.01, but must be 0.1 at"),
@@ -112,7 +112,13 @@ const MUTATIONS: [Mutation; 120] = [
     ("ball_diameter_mm = 6.35", "ball_diameter_mm = 0.00635", 14, 20, "`ball_diameter_mm` is 0.00635, but must lie between 0.1"),
     ("ball_diameter_mm = 6.35", "ball_diameter_mm = -6.35", 14, 20, "`ball_diameter_mm` is -6.35, but must lie between 0.1 and"),
     ("ball_diameter_mm = 6.35", "ball_diameter_in = 0.25", 14, 1, "unknown field `ball_diameter_in`"),
-    ("pitch_diameter_mm = 36", "pitch_diameter_mm = 6", 15, 21, "`pitch_diameter_mm` is 6, but must lie between 6.4135"),
+    ("pitch_diameter_mm = 36", "pitch_diameter_mm = 6", 15, 21, "`pitch_diameter_mm` is 6, but must lie between 6.4135 and"),
+    ("ball_diameter_mm = 6.35", "ball_diameter_mm = 6350", 14, 20, "`ball_diameter_mm` is 6350, but must lie between 0.1 and"),
+    ("bore_mm = 25", "bore_mm = 36", 15, 21, "`pitch_diameter_mm` is 36, but must be above `bore_mm`, which is 36:"),
+    ("bore_mm = 25", "bore_mm = 47\noutside_mm = 25", 21, 14, "`outside_mm` is 25, but must be above `bore_mm`, which is 47:"),
+    ("position_mm = -20", "position_mm = -200", 39, 15, "`position_mm` of the load is -200, 200 mm off the spindle, whose sections"),
+    ("radial_growth_um = 1", "ball = { density_kg_m3 = 3200 }", 8, 8, "`ball` is for a `bearing`; move it into [row.design]"),
+    ("name = \"B7005C\"\n", "", 11, 1, "the key `name` is missing; add a line such as"),
     ("inner_groove_factor = 0.515", "inner_groove_factor = 0.5", 16, 23, "`inner_groove_factor` is 0.5, but must lie between 0.501"),
     ("inner_groove_factor = 0.515", "inner_groove_factor = 51.5", 16, 23, "`inner_groove_factor` is 51.5, but must lie between 0.501"),
     ("contact_angle_deg = 15", "contact_angle_deg = 95", 18, 21, "`contact_angle_deg` is 95, but must lie between 0 and"),
@@ -139,7 +145,7 @@ const MUTATIONS: [Mutation; 120] = [
     ("sections = [", "youngs_modulus_gpa = 206e9\nsections = [", 30, 22, "`youngs_modulus_gpa` of [shaft] is 206000000000, but must"),
     ("sections = [", "poissons_ratio = 0.6\nsections = [", 30, 18, "`poissons_ratio` of [shaft] is 0.6, but must lie between"),
     ("from_mm = 22, to_mm = 160", "from_mm = 22, to_mm = 100", 22, 1, "row 1 stands in no section of [shaft], and"),
-    ("reference_c = 20", "", 1, 1, "[heat] lacks `reference_c`; add a line such as"),
+    ("reference_c = 20", "", 35, 1, "[heat] lacks `reference_c`; add a line such as"),
     ("reference_c = 20", "reference_c = 293", 36, 15, "reference_c: 293 is above 200 deg C; is it in kelvin or"),
     ("reference_c = 20", "reference_c = 20\nshaft_per_k = 11.5", 37, 15, "`shaft_per_k` is 11.5, but must lie between -0.0001 and"),
     ("position_mm = -20", "position_mm = 1e9", 39, 15, "`position_mm` is 1000000000, but must lie between -100000"),
@@ -149,7 +155,7 @@ const MUTATIONS: [Mutation; 120] = [
     ("fy_n = -100", "fy_kn = 1", 43, 1, "unknown field `fy_kn`"),
     ("position_mm = 150\nfy_n = -100", "fy_n = -100", 41, 1, "missing field `position_mm`"),
     ("[nose]\nposition_mm = 0", "[nose]\nposition_mm = 1e9", 46, 15, "`position_mm` is 1000000000, but must lie between -100000"),
-    ("[nose]\nposition_mm = 0", "[nose]\nradial_um_per_kn = 2", 1, 1, "[nose] lacks `position_mm`; add a line such as"),
+    ("[nose]\nposition_mm = 0", "[nose]\nradial_um_per_kn = 2", 45, 1, "[nose] lacks `position_mm`; add a line such as"),
     ("[nose]\nposition_mm = 0", "[nose]\nposition_mm = 0\nradial_um_per_kn = 2", 47, 20, "`radial_um_per_kn` is for a rigid shaft, and the"),
     ("position_mm = -40", "position_mm = 1e9", 49, 15, "`position_mm` is 1000000000, but must lie between -100000"),
     ("position_mm = -40", "position = 4", 49, 1, "unknown field `position`"),
@@ -183,14 +189,14 @@ const MUTATIONS: [Mutation; 120] = [
     ("radial_n_per_um = 300 }\n\n[row", "tilting_nm_per_rad = 0.9 }\n\n[row", 9, 56, "row 0: `tilting_nm_per_rad` is 0.9, but must be 1 at least"),
     ("balls = 16", "balls =", 13, 8, ""),
     ("balls = 16", "balls = 2", 13, 9, "`balls` is 2, but must be a whole number from 3 to 64"),
-    ("balls = 16\n", "", 1, 1, "the key `balls` is missing; add a line such as `balls = 16`"),
-    ("contact_angle_deg = 15\n", "", 1, 1, "the contact angle is missing; add a line such as"),
+    ("balls = 16\n", "", 11, 1, "the key `balls` is missing; add a line such as `balls = 16`"),
+    ("contact_angle_deg = 15\n", "", 11, 1, "the contact angle is missing; add a line such as"),
     ("bore_mm = 25", "bore_mm = 25\nball.poissons_ratio = 0.7", 21, 23, "`ball.poissons_ratio` is 0.7, but must lie between"),
     ("bore_mm = 25", "bore_mm = 25\nring.density_kg_m3 = 7850", 21, 6, "unknown field `density_kg_m3`"),
     ("bore_mm = 25", "bore_mm = 25\nballs = 9", 21, 1, "duplicate key"),
     ("outer_mm = 32, inner_mm = 10", "outer_mm = 32, inner_mm = nan", 31, 58, "`inner_mm` is nan, and no number"),
     ("to_mm = 22, outer", "outer", 31, 5, "missing field `to_mm`"),
-    ("[nose.tool]\nposition_mm = -40", "[nose.tool]", 1, 1, "[nose.tool] lacks `position_mm`"),
+    ("[nose.tool]\nposition_mm = -40", "[nose.tool]", 48, 7, "[nose.tool] lacks `position_mm`"),
     ("position_mm = -40", "position_mm = -40\naxial_um_per_kn = 2", 50, 19, "`axial_um_per_kn` is for a rigid shaft"),
     ("[nose]\nposition_mm", "[nose]\npositon_mm", 46, 14, "invalid type: integer `0`, expected `position_mm`, `radial_um_per_kn`, `axial_um_per_kn`, or a nose by name, such as"),
     ("[nose.tool]", "[nose.nose]", 48, 7, "the name of a nose has letters, digits, `-` and `_`, and is not `nose`"),
@@ -205,7 +211,7 @@ fn refusal(refused: Result<(), impl ToString>) -> String {
 }
 
 /// Messages of the build and of a replay.
-fn refusals(text: &str) -> [String; 2] {
+pub fn refusals(text: &str) -> [String; 2] {
     let file = match SpindleFile::parse("s.toml", text, Path::new(SHIPPED)) {
         Ok(file) => file,
         // Both read it so.
@@ -263,7 +269,7 @@ fn a_refusal_of_the_solver_has_its_place() {
         (
             "position_mm = 150",
             "position_mm = 9e4",
-            "line 42, column 15: constant load 0",
+            "line 42, column 15: `position_mm` of the load is 90000, 89840 mm off the spindle",
         ),
     ] {
         let [built, replayed] = refusals(&GOOD.replacen(from, to, 1));

@@ -345,6 +345,7 @@ DESIGN.toml is a spindle if it has [[row]]s:
   [[row]]
   bearing = \"7014c.toml\"       # beside this file; a name of the catalogue; or its keys under
                                 # [row.design]
+                                # ball = { youngs_modulus_gpa = 310, .. } for balls of another material
   position_mm = 0
   facing = \"+x\"               # a load on the shaft in +x presses its balls
   radial_growth_um = 2          # and axial_, ball_growth_um; may be left out
@@ -627,7 +628,7 @@ impl Args {
     fn file(&self) -> Result<SpindleFile> {
         let file = SpindleFile::read(self.design())?;
         for doubt in &file.doubts {
-            eprintln!("replay: {}: {doubt}", self.design().display());
+            eprintln!("replay: {doubt}");
         }
         Ok(file)
     }
