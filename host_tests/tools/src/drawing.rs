@@ -1,9 +1,13 @@
-//! A spindle as a drawing in section: shaft, rows with contact lines, supports, loads and noses over an axis in mm.
+//! A spindle as a drawing in section: shaft with its diameters, rows with contact lines, supports, loads, noses and probes over an
+//! axis in mm.
 
 use files::designs::{DesignFile, short};
-use files::plan::{Plan, Row};
+use files::plan::{Plan, Question, Row};
+use files::probes::Probe;
 use files::spindles::SpindleFile;
-use spindle_bearing::{FreeContact, Preload, ShaftLoad, Support};
+use host_tests::dispatch::Precision;
+use host_tests::spindles::{Balls, with_solver};
+use spindle_bearing::{FreeContact, Preload, Section, ShaftLoad, Support};
 
 const WIDTH: f64 = 1000.0;
 const MARGIN: f64 = 60.0;
@@ -21,7 +25,13 @@ const STYLE: &str = "text { font: 13px sans-serif; fill: #252B33 } .title { font
     .contact { stroke: #D55E00; stroke-width: 1.6 } .axis { stroke: #6B7684; stroke-dasharray: 12 3 2 3 } \
     .support { stroke: #008060; fill: none } .spring { stroke: #9B3F83; fill: none; stroke-width: 1.6 } \
     .load { stroke: #005A9C; fill: #005A9C; stroke-width: 1.6 } .nose { stroke: #9B3F83; stroke-dasharray: 3 3 } \
-    .record { stroke: #B07A00; fill: #B07A00; stroke-width: 1.6 }";
+    .record { stroke: #B07A00; fill: #B07A00; stroke-width: 1.6 } \
+    .size { font-size: 11px; text-anchor: middle; dominant-baseline: central } \
+    .probe { stroke: #C2185B; fill: #C2185B; stroke-width: 1.6 }";
+
+/// Width of a section, in the picture, that has room for its diameters, and sections in a line of words.
+const SIZE: f64 = 12.0;
+const IN_LINE: usize = 4;
 
 /// A point of the picture.
 type Point = (f64, f64);
@@ -148,6 +158,41 @@ impl Sheet {
         }
     }
 
+    /// A section of the shaft, its diameters across.
+    fn section(&mut self, of: &Section) {
+        let radii = [0.5 * of.inner, 0.5 * of.outer];
+        self.ring("shaft", [of.from, of.to], radii);
+        if self.scale * (of.to - of.from) < SIZE {
+            return;
+        }
+        let (x, y) = (
+            self.x(0.5 * (of.from + of.to)),
+            self.y(-0.5 * (radii[0] + radii[1])),
+        );
+        self.svg += &format!(
+            "<text class=\"size\" transform=\"translate({x:.1} {y:.1}) rotate(-90)\">{}</text>\n",
+            diameters(of)
+        );
+    }
+
+    /// A probe as an arrow at the surface, from above or below where it sees y; along the axis from the nearer end of `ends`.
+    fn probe(&mut self, probe: &Probe, surface: f64, ends: [f64; 2]) {
+        let (x, [axial, up, _]) = (self.x(probe.position), probe.direction);
+        let side = if up < -1e-6 { -1.0 } else { 1.0 };
+        let tip = self.y(side * surface);
+        let (from, to) = if axial == 0.0 {
+            ((x, tip - 30.0 * side), (x, tip))
+        } else {
+            let is_left = 2.0 * probe.position <= ends[0] + ends[1];
+            let out = if is_left { -30.0 } else { 30.0 };
+            let y = self.y(0.5 * surface);
+            ((x + out, y), (x, y))
+        };
+        self.arrow("probe", from, to);
+        let below = if side < 0.0 { 16.0 } else { -5.0 };
+        self.text("mark", from.0, from.1 + below, &probe.name);
+    }
+
     /// The axis in mm, at this height of the picture.
     fn ruler(&mut self, y: f64) {
         let end = WIDTH - MARGIN;
@@ -188,11 +233,46 @@ fn contact_angle(row: &Row) -> f64 {
     }
 }
 
-/// The row of this number in words.
-fn words(i: usize, row: &Row, of: &DesignFile, support: &Support<f64>, plan: &Plan) -> String {
+/// Diameters of a section, mm.
+fn diameters(of: &Section) -> String {
+    match of.inner {
+        0.0 => format!("Ø{}", mm(of.outer)),
+        inner => format!("Ø{}/{}", mm(of.outer), mm(inner)),
+    }
+}
+
+/// Preload of each row of a spindle with a mounted preload, at rest, cold, without loads; none if it cannot be built.
+fn mounted(file: &SpindleFile) -> Option<Vec<f64>> {
+    let mut plan = file.plan.clone();
+    let (_, growth) = plan.mounted_preload.as_ref()?;
+    let question = Question {
+        growth: growth.clone(),
+        ..Question::default()
+    };
+    if let Some(shaft) = &mut plan.shaft {
+        shaft.loads.clear();
+    }
+    let solved = with_solver(&plan, Balls::Static, Precision::F64, |solver| {
+        solver.solve(&question)
+    });
+    let answer = solved.ok()?.ok()?;
+    Some(answer.rows.iter().map(|row| row.preload).collect())
+}
+
+/// The row of this number in words, with its part of a mounted preload.
+fn words(
+    i: usize,
+    (row, of): (&Row, &DesignFile),
+    support: &Support<f64>,
+    plan: &Plan,
+    part: Option<f64>,
+) -> String {
     let held = match (row.preload, plan.spring, &plan.mounted_preload) {
         (Preload::Spring, force, _) => format!("spring {} N", force.unwrap_or_default()),
-        (.., Some((force, _))) => format!("mounted preload {force} N"),
+        (.., Some((force, _))) => match part {
+            Some(part) => format!("{part:.0} N of the mounted preload"),
+            None => format!("mounted preload of all rows {force} N"),
+        },
         (Preload::Force(force), ..) => format!("preload {force} N"),
         (Preload::Closure(e), ..) => format!("closure {} µm", short(1e6 * e)),
         _ => String::new(),
@@ -233,6 +313,7 @@ pub fn svg(file: &SpindleFile) -> String {
     }
     all.extend(file.noses.iter().map(|nose| nose.end.position));
     all.extend(constant.iter().map(|load| load.position));
+    all.extend(file.probes.iter().map(|probe| probe.position));
     all.sort_by(f64::total_cmp);
     let ends = [all[0], all[all.len() - 1]];
     let wide = WIDTH - 2.0 * MARGIN;
@@ -248,8 +329,13 @@ pub fn svg(file: &SpindleFile) -> String {
         sheet.ring("rigid", ends, [0.0, seat]);
     }
     for of in sections {
-        sheet.ring("shaft", [of.from, of.to], [0.5 * of.inner, 0.5 * of.outer]);
+        sheet.section(of);
     }
+    let surface = |x: f64| {
+        let at = sections.iter().filter(|of| of.from <= x && x <= of.to);
+        at.map(|of| 0.5 * of.outer).reduce(f64::max).unwrap_or(seat)
+    };
+    let mounted = mounted(file).unwrap_or_default();
     let axis = sheet.axis;
     sheet.line("axis", &[(24.0, axis), (WIDTH - 24.0, axis)]);
     let (mut told, bottom) = (Vec::new(), sheet.y(-highest) + 34.0);
@@ -259,13 +345,11 @@ pub fn svg(file: &SpindleFile) -> String {
         sheet.row(row, radii, support);
         let (x, y) = (sheet.x(row.position), sheet.y(radii[1]) - 32.0);
         sheet.text("mark", x, y, &i.to_string());
-        told.push(words(i, row, of, support, plan));
+        told.push(words(i, (row, of), support, plan, mounted.get(i).copied()));
     }
     for load in &constant {
         let (x, [fx, fy, fz, ..]) = (load.position, load.load);
-        let at = sections.iter().filter(|of| of.from <= x && x <= of.to);
-        let surface = at.map(|of| 0.5 * of.outer).reduce(f64::max);
-        sheet.load(load, surface.unwrap_or(seat));
+        sheet.load(load, surface(x));
         let forces = format!("Fx = {fx} N, Fy = {fy} N, Fz = {fz} N");
         told.push(format!("constant load: x = {} mm, {forces}", mm(x)));
     }
@@ -274,6 +358,23 @@ pub fn svg(file: &SpindleFile) -> String {
         sheet.line("nose", &[(x, 72.0), (x, bottom)]);
         sheet.text("mark", x, 66.0, &nose.name);
         told.push(format!("{}: x = {} mm", nose.name, mm(nose.end.position)));
+    }
+    for probe in &file.probes {
+        let (name, x, [axial, up, aside]) = (&probe.name, probe.position, probe.direction);
+        sheet.probe(probe, surface(x), ends);
+        let angle = short(aside.atan2(up).to_degrees());
+        let sees = match axial {
+            0.0 => format!("{angle}° from +y towards +z"),
+            _ => "along x".to_owned(),
+        };
+        told.push(format!("probe {name}: x = {} mm, {sees}", mm(x)));
+    }
+    for (i, some) in sections.chunks(IN_LINE).enumerate() {
+        let some = some
+            .iter()
+            .map(|of| format!("{} to {} {}", mm(of.from), mm(of.to), diameters(of)));
+        let start = if i == 0 { "sections, mm: " } else { "" };
+        told.push(format!("{start}{}", some.collect::<Vec<_>>().join("; ")));
     }
     let (x, at) = (sheet.x(file.loaded_at()), mm(file.loaded_at()));
     sheet.arrow("record", (x, axis - 46.0), (x, axis - 3.0));

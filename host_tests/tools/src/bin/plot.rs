@@ -25,7 +25,7 @@ const MOST_DOTS: usize = 400;
 ///
 /// Results and tables become curves of speed, load and stiffness over time, or of stiffness over
 /// speed. A file of balls becomes the load distribution: contact forces over the azimuth at one
-/// time. A file that ends in .toml is a spindle's: its shaft, rows, contact lines, supports, loads and noses in section. A file
+/// time. A file that ends in .toml is a spindle's: its shaft with its diameters, rows, contact lines, supports, loads, noses and probes in section. A file
 /// of --response becomes compliances over time, with their errors.
 #[derive(Debug, Parser)]
 #[command(name = "plot", bin_name = "cargo plot", max_term_width = 100)]
@@ -116,6 +116,9 @@ fn draw(args: &Args) -> Result<String> {
         // What cannot be built of good parts is drawn: a look at it tells why.
         let parts = Parts::<f64>::of(&spindle.plan);
         parts.map_err(|error| spindle.explain(&error))?;
+        for doubt in &spindle.doubts {
+            eprintln!("plot: {doubt}");
+        }
         spindle.name = args.title.clone().unwrap_or(spindle.name);
         return Ok(drawing::svg(&spindle));
     }

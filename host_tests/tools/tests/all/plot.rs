@@ -294,3 +294,50 @@ fn a_spindle_is_drawn_in_section() {
     assert_eq!(status, 2);
     assert!(err.contains("are for tables"), "{err}");
 }
+
+/// Probes, diameters of sections, and the part of a mounted preload that each row has.
+#[test]
+fn probes_diameters_and_preloads_are_drawn() {
+    let (status, svg, err) = plotted(
+        &[
+            &format!("{SHIPPED}/../probes/spindles/five_rows.toml"),
+            "-o",
+            "-",
+        ],
+        b"",
+    );
+    assert_eq!((status, &*err), (0, ""));
+    assert_eq!(count(&svg, "class=\"probe\""), 2);
+    for words in [
+        ">Ø90/30<",
+        ">Ø70/30<",
+        ">probe axial: x = -60 mm, along x<",
+        ">probe nose: x = -60 mm, 0° from +y towards +z<",
+        ">sections, mm: -60 to -15 Ø90/30; -15 to 330 Ø70/30<",
+    ] {
+        assert_eq!(count(&svg, words), 1, "{words}");
+    }
+    let path = format!("{SHIPPED}/../spindles/elastic_spindle.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let text = text.replace("../bearings/7014c.toml", "project:7014c");
+    let path = scratch("mounted.toml");
+    std::fs::write(
+        &path,
+        text.replace("preload_n = 400", "mounted_preload_n = 350"),
+    )
+    .unwrap();
+    let (status, svg, err) = plotted(&[path.to_str().unwrap(), "-o", "-"], b"");
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!((status, &*err), (0, ""));
+    let parts = svg.lines().filter_map(|line| {
+        let (before, _) = line.split_once(" N of the mounted preload")?;
+        before.rsplit(' ').next()?.parse::<f64>().ok()
+    });
+    let parts: Vec<f64> = parts.collect();
+    // Two rows to each side, which are alike.
+    assert_eq!(parts.len(), 4, "{svg}");
+    for side in parts.chunks(2) {
+        assert!((side[0] + side[1] - 350.0).abs() <= 1.0, "{parts:?}");
+        assert!((side[0] - 175.0).abs() < 10.0, "{parts:?}");
+    }
+}
