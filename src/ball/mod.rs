@@ -551,6 +551,10 @@ impl<T: Real> Ball<T> {
             let [s, c] = self.n;
             return forms(inner.stiffness_change(turn(self.n, da)), [s, c], [c, -s]);
         }
+        // Off the inner race, a ball hands nothing to the ring, though its own place still depends on the groove's.
+        if !(self.local.delta > T::NOTHING) {
+            return [T::ZERO; 3];
+        }
         let dx = add(self.z, times(&self.d, da));
         let v = sub(turn(self.n, da), dx);
         let (inner, outer) = self.curvatures();
@@ -607,6 +611,24 @@ mod tests {
         for _ in 0..10 {
             ball.advance(a, 0.0);
             ball.linearise::<RacewayControlFree>(&SPINDLE.constants, p);
+        }
+    }
+
+    #[test]
+    fn a_ball_off_the_inner_race_has_no_stiffness_that_changes() {
+        let (mut ball, p) = settled();
+        let (c, off) = (&SPINDLE.constants, add(p.low, [-3.0, -6.0]));
+        ball.start([0.0; 2], off);
+        ball.x = settle::<f64, RacewayControlFree>(c, &p, off, ball.x, &mut 48);
+        at(&mut ball, &p, off);
+        assert!(ball.local.delta < 0.0, "{}", ball.local.delta);
+        for step in [[1e-3, 0.0], [0.0, -1e-3], [1e-2, -1e-2]] {
+            let a = add(off, step);
+            let mut moved = ball;
+            at(&mut moved, &p, a);
+            assert_eq!(moved.condensed.h, [[0.0; 2]; 2]);
+            let foreseen = ball.stiffness_change::<RacewayControlFree>(a);
+            assert_eq!(foreseen, [0.0; 3], "{step:?}");
         }
     }
 

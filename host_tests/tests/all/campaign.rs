@@ -42,6 +42,29 @@ fn four_seeds_keep_the_promises() {
     assert_kept(&records.collect::<Vec<_>>(), false);
 }
 
+/// A light spring and seven rows, five of them with balls off the inner race: the last step ends the solve, and its correction of the
+/// stiffness once took these balls for a part of it, and was 90 times what is stated.
+#[test]
+fn balls_off_the_inner_race_do_not_correct_the_stiffness() {
+    let plan = Plan {
+        seed: Plan::SEED,
+        solves: 0,
+        of_sets: true,
+        families: vec![ZeroLoads],
+        searches: None,
+        followed: usize::MAX,
+    };
+    for solve in judge(&plan.trial(ZeroLoads, 2110), false) {
+        for record in solve.records {
+            let (Some(errors), Some(stated)) = (record.errors, record.estimate) else {
+                panic!("{record:?}")
+            };
+            let covers = errors.iter().zip(stated).all(|(e, stated)| *e <= stated);
+            assert!(covers, "{record:?}");
+        }
+    }
+}
+
 /// Loads that people type have an answer wherever three balls carry. Every refusal is looked into.
 #[test]
 fn loads_that_people_type_are_solved() {
