@@ -262,7 +262,7 @@ fn is_spindle(text: &str) -> bool {
     match text.parse::<toml::Table>() {
         Ok(table) => {
             let has = |key: &&str| table.contains_key(*key);
-            has(&"row") || !has(&"balls") && ITS_OWN.iter().any(|key| has(&key))
+            has(&"row") || !has(&"balls") && ITS_OWN.iter().any(has)
         }
         Err(_) => text.contains("[[row"),
     }
