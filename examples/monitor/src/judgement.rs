@@ -7,8 +7,8 @@
 //!   and goes, as teeth pass, counts like a lasting one if it is there for more than a fifth of the time. The alarm is
 //!   raised when the sum reaches the hold time, or when the level reaches `at_once`. When the sum has run off, the
 //!   condition is gone, but the alarm stays latched until somebody acknowledges it. An acknowledged alarm whose
-//!   level grows further by `worse` is raised again. A level that is not known changes nothing, and the time without one counts
-//!   for neither.
+//!   level grows further by `worse` is raised again. A level that is not known changes nothing. A level stands until the next one,
+//!   for as long as that is due at most: the time after that counts for neither.
 
 use core::f64::consts::PI;
 use core::fmt;
@@ -216,9 +216,6 @@ pub enum AlarmChange {
     Standing,
 }
 
-/// Longest time that a level stands for, us. Later, without a level, nothing is known.
-const KNOWN_US: u32 = 20_000;
-
 /// Time without a condition takes this part of itself off the condition's time.
 const FADE: u32 = 4;
 
@@ -258,12 +255,13 @@ impl AlarmMachine {
         }
     }
 
-    /// Holds a level against its threshold.
+    /// Holds a level against its threshold. The level before it has stood for `due_us` at most.
     pub fn update(
         &mut self,
         time_us: u64,
         level: Level,
         threshold: &Threshold,
+        due_us: u32,
     ) -> Option<AlarmChange> {
         use AlarmState as S;
         // Most levels are far off: a third of the cost.
@@ -277,7 +275,7 @@ impl AlarmMachine {
             return None;
         }
         (self.level, self.place) = (level.value, level.place);
-        let since = time_us.saturating_sub(self.seen_us).min(KNOWN_US.into()) as u32;
+        let since = time_us.saturating_sub(self.seen_us).min(due_us.into()) as u32;
         self.seen_us = time_us;
         self.held_us = if self.there {
             self.held_us.saturating_add(since).min(threshold.hold_us)
@@ -467,14 +465,21 @@ impl Judgement {
         (self.raised, self.cleared)
     }
 
-    /// Holds the levels of a tick against their thresholds; the alarms that changed.
-    pub fn judge(&mut self, time_us: u64, levels: &Levels, thresholds: &Thresholds) -> Changes {
+    /// Holds the levels of a tick against their thresholds; the alarms that changed. A level of an alarm stands for the time in
+    /// which the next one is due, us, at most.
+    pub fn judge(
+        &mut self,
+        time_us: u64,
+        levels: &Levels,
+        thresholds: &Thresholds,
+        due_us: impl Fn(Alarm) -> u32,
+    ) -> Changes {
         let mut changes = Changes::new();
         let machines = self.alarms.iter_mut().zip(Alarm::ALL).zip(levels.0);
         for ((machine, alarm), level) in machines {
-            let Some(change) =
-                level.and_then(|level| machine.update(time_us, level, thresholds.of(alarm)))
-            else {
+            let Some(change) = level.and_then(|level| {
+                machine.update(time_us, level, thresholds.of(alarm), due_us(alarm))
+            }) else {
                 continue;
             };
             match change {
@@ -507,10 +512,13 @@ mod tests {
         worse: 2.5,
     };
 
+    const DUE_US: u32 = 20_000;
+
     fn run(machine: &mut AlarmMachine, from: u64, levels: &[f32]) -> Vec<(u64, AlarmChange)> {
         let mut changes = Vec::new();
         for (time, level) in (from..).zip(levels) {
-            if let Some(change) = machine.update(time * 1000, Level::of(*level), &THRESHOLD) {
+            let level = Level::of(*level);
+            if let Some(change) = machine.update(time * 1000, level, &THRESHOLD, DUE_US) {
                 changes.push((time, change));
             }
         }
@@ -569,14 +577,15 @@ mod tests {
         assert_eq!(run(&mut often, 0, &levels(4))[0].1, AlarmChange::Raised);
         assert_eq!(run(&mut often, 1000, &levels(4)), []);
         assert_eq!(run(&mut rare, 0, &levels(6)), []);
-        // Of the time after a level, only so much is known.
+        // A level stands for no longer than until the next one is due.
         let mut unknown = AlarmMachine::default();
         let hold = Threshold {
             hold_us: 100_000,
             ..THRESHOLD
         };
         for (ms, level) in [(0, 10.0), (10_000, 10.0), (20_000, 0.0)] {
-            assert_eq!(unknown.update(ms * 1000, Level::of(level), &hold), None);
+            let level = Level::of(level);
+            assert_eq!(unknown.update(ms * 1000, level, &hold, DUE_US), None);
         }
         // A level that is far too high is not waited for.
         assert_eq!(
@@ -592,9 +601,9 @@ mod tests {
             ..THRESHOLD
         };
         let mut a = AlarmMachine::default();
-        let change = a.update(5, Level::of(f32::INFINITY), &threshold);
+        let change = a.update(5, Level::of(f32::INFINITY), &threshold, DUE_US);
         assert_eq!(change, Some(AlarmChange::Raised));
-        a.update(6, Level::of(0.0), &threshold);
+        a.update(6, Level::of(0.0), &threshold, DUE_US);
         assert_eq!(a.acknowledge(), Some(AlarmChange::Acknowledged));
         assert_eq!(a.state(), AlarmState::Clear);
     }

@@ -486,7 +486,10 @@ impl<
         }
         self.watch.tick(time_us, sees, missed, &mut levels);
 
-        let changes = self.alarms.judge(time_us, &levels, &settings.alarms);
+        let due_us = |alarm| settings.due_us(alarm);
+        let changes = self
+            .alarms
+            .judge(time_us, &levels, &settings.alarms, due_us);
         let alarms = (&self.alarms, &changes);
         self.reports.send(time_us, (tick, marks), alarms, settings);
         if self.reports.wants_health(time_us, settings) {

@@ -197,8 +197,15 @@ pub fn is_aliased(rpm: f32, rate: f32) -> bool {
     })
 }
 
+/// Time of the longest block, us, of probes that are read once in a tick of this period, us.
+pub(crate) const fn longest_us(period_us: u32) -> u32 {
+    let rate = 1e6 / period_us as f32;
+    // A block is a revolution at least, and longer by the shortest one at most.
+    (1e6 * (LONGEST + shortest(rate) / rate)) as u32
+}
+
 /// Pairs of the shortest block.
-fn shortest(rate: f32) -> f32 {
+const fn shortest(rate: f32) -> f32 {
     (rate / BLOCKS).max(PAIRS)
 }
 

@@ -3,10 +3,10 @@
 use crate::command::MOST_PROBES;
 use crate::judgement::{Alarm, Threshold, Thresholds};
 use crate::plausibility::PlausibilitySettings;
-use crate::response::Fault;
+use crate::response::{self, Fault};
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
-use crate::watch::WatchSettings;
+use crate::watch::{SECOND_US, WatchSettings};
 use core::f64::consts::PI;
 use core::fmt;
 use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits};
@@ -238,6 +238,10 @@ impl fmt::Display for SettingsError {
 
 impl core::error::Error for SettingsError {}
 
+/// Ticks in which an estimate is due after another one: a solve under passing teeth takes 9 at most, and a sample that it keeps
+/// waiting as many again; and two of a sender that is slower than ticks.
+const ESTIMATE_TICKS: u32 = 20;
+
 /// Above 0; infinite stands for no bound.
 const fn positive(x: f32) -> bool {
     x > 0.0
@@ -366,6 +370,31 @@ impl<const R: usize> MonitorSettings<R> {
                 health_us: 1_000_000,
                 standing_us: 10_000_000,
             },
+        }
+    }
+
+    /// Time in which a level of an alarm is followed by the next one, us, at most: for so long it stands.
+    pub const fn due_us(&self, alarm: Alarm) -> u32 {
+        match alarm {
+            // With each estimate.
+            Alarm::PeakPressure
+            | Alarm::ContactAngle
+            | Alarm::Slip
+            | Alarm::UnloadedBalls
+            | Alarm::PreloadGrowth
+            | Alarm::PreloadLoss => self.tick.period_us.saturating_mul(ESTIMATE_TICKS),
+            // With each sample, which is missing after that.
+            Alarm::Overload => self.plausibility.missing_after_us,
+            // With each tick, however many are left out, and with each second.
+            Alarm::LifeUsed
+            | Alarm::Sensor
+            | Alarm::Temperature
+            | Alarm::Deadline
+            | Alarm::Availability => SECOND_US,
+            // With each block of the probes' readings.
+            Alarm::StiffnessLoss | Alarm::StiffnessGain | Alarm::Probe => {
+                response::longest_us(self.tick.period_us)
+            }
         }
     }
 

@@ -43,8 +43,8 @@ pub(crate) struct Watch<const R: usize> {
     fresh_us: Option<u64>,
 }
 
-/// Time without a fresh estimate after which the monitor is blind, us.
-const BLIND_US: u64 = 1_000_000;
+/// Time over which ticks are counted, and without a fresh estimate after which the monitor is blind, us.
+pub(crate) const SECOND_US: u32 = 1_000_000;
 
 impl<const R: usize> Watch<R> {
     /// Of rows of so many balls, and of these facings.
@@ -68,7 +68,7 @@ impl<const R: usize> Watch<R> {
 
     /// Whether there was a fresh estimate within the last second.
     pub(crate) fn sees(&self, time_us: u64) -> bool {
-        let is_new = |then: u64| time_us.saturating_sub(then) < BLIND_US;
+        let is_new = |then: u64| time_us.saturating_sub(then) < SECOND_US.into();
         self.fresh_us.is_some_and(is_new)
     }
 
@@ -112,7 +112,7 @@ impl<const R: usize> Watch<R> {
         now.late = now.late.saturating_add(late.into());
         let of_two = now.late.saturating_add(self.last.late);
         levels.set_value(Alarm::Deadline, of_two as f32);
-        if seconds(self.began_us, time_us) >= 1.0 {
+        if time_us.saturating_sub(self.began_us) >= SECOND_US.into() {
             self.began_us = time_us;
             self.last = core::mem::take(now);
             levels.set_value(Alarm::Availability, 1.0 - self.availability());

@@ -1,5 +1,6 @@
 //! The judge's tests in one program, so that they overlap.
 
+mod alarm_times;
 mod axial;
 mod balance;
 mod campaign;

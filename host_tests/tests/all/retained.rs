@@ -80,7 +80,9 @@ impl<F: NorFlash> Board<F> {
         levels.set(alarm, level);
         let _ = self
             .judgement
-            .judge(self.time_us, &levels, &SETTINGS.alarms);
+            .judge(self.time_us, &levels, &SETTINGS.alarms, |alarm| {
+                SETTINGS.due_us(alarm)
+            });
         assert_eq!(self.judgement.alarm(alarm).state(), AlarmState::Raised);
     }
 

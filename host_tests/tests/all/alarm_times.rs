@@ -1,0 +1,92 @@
+//! Times after which alarms are raised and cleared, with levels as often as they come.
+
+use super::monitor::{IDLE, Rig, at_speed, settings};
+use host_tests::telemetry::simulated::MONITOR;
+use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level, Threshold};
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::{Alarm, Mark};
+
+/// Intervals at which levels of an alarm come, us: as often as ticks, samples, estimates, seconds and blocks of the probes.
+fn intervals(alarm: Alarm) -> &'static [u64] {
+    match alarm {
+        // A solve takes a tick, or four, or nine.
+        Alarm::PeakPressure
+        | Alarm::ContactAngle
+        | Alarm::Slip
+        | Alarm::UnloadedBalls
+        | Alarm::PreloadGrowth
+        | Alarm::PreloadLoss => &[1000, 4000, 9000],
+        // A sender may be slower than ticks.
+        Alarm::Overload => &[1000, 10_000, 40_000],
+        // A busy board leaves out ticks.
+        Alarm::LifeUsed | Alarm::Sensor | Alarm::Temperature | Alarm::Deadline => &[1000, 24_000],
+        Alarm::Availability => &[1_000_000],
+        // At 1200 rpm and more, at 60 rpm, at 30 rpm.
+        Alarm::StiffnessLoss | Alarm::StiffnessGain | Alarm::Probe => {
+            &[50_000, 1_000_000, 2_000_000]
+        }
+    }
+}
+
+#[test]
+fn every_alarm_is_raised_after_its_hold_time_and_cleared_after_four_of_them() {
+    for (alarm, hold_ms) in Alarm::ALL
+        .into_iter()
+        .flat_map(|alarm| [3, 500, 5000, 60_000].map(|hold_ms| (alarm, hold_ms)))
+    {
+        for interval in intervals(alarm) {
+            let threshold = Threshold {
+                hold_us: hold_ms * 1000,
+                ..*MONITOR.alarms.of(alarm)
+            };
+            let hold_us = u64::from(threshold.hold_us);
+            let above = Level::of(2.0 * threshold.raise - threshold.clear);
+            let below = Level::of(threshold.clear);
+            let mut machine = AlarmMachine::default();
+            let mut time_us = 77_000;
+            // Time from the first of these levels to the change.
+            let mut after = |level, expected| {
+                let began_us = time_us + interval;
+                for _ in 0..1_000_000 {
+                    time_us += interval;
+                    let due_us = MONITOR.due_us(alarm);
+                    if let Some(change) = machine.update(time_us, level, &threshold, due_us) {
+                        assert_eq!(change, expected, "{alarm}");
+                        return time_us - began_us;
+                    }
+                }
+                panic!("{alarm} is never {expected:?}")
+            };
+            let raised_us = after(above, AlarmChange::Raised);
+            let cleared_us = after(below, AlarmChange::Cleared);
+            for (us, exact) in [(raised_us, hold_us), (cleared_us, 4 * hold_us)] {
+                assert!(
+                    us.abs_diff(exact) <= *interval,
+                    "{alarm}, held for {hold_ms} ms, levels {interval} us apart: {us} us, not {exact}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_blind_monitor_is_told_after_the_hold_time_of_availability() {
+    static HELD: MonitorSettings = {
+        let mut settings = settings(10);
+        settings.alarms.availability.hold_us = 5_000_000;
+        settings
+    };
+    let mut rig = Rig::running(&HELD);
+    let began_us = rig.time_us;
+    while !rig
+        .happened
+        .contains(&(Alarm::Availability, AlarmChange::Raised))
+    {
+        rig.run(1, IDLE);
+        rig.tick(&at_speed(Err(Mark::Corrupt.into())));
+        assert!(rig.time_us - began_us < 20_000_000);
+    }
+    // The first whole second without estimates ends one to two seconds after they fail.
+    let after_us = rig.time_us - began_us;
+    assert!((5_000_000..=7_100_000).contains(&after_us), "{after_us}");
+}
