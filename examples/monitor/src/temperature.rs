@@ -12,6 +12,11 @@
 //! The value in use changes by [`TemperatureSettings::rate`] at most: no estimate jumps when a sensor fails or comes
 //! back. A good value is in its range and near the other side's, and has not changed faster than that rate since the
 //! last good one. [`Alarm::Temperature`](crate::Alarm::Temperature) tells how long a side has had none.
+//!
+//! - **The first one.** Two values in a row begin that agree within [`TemperatureSettings::noise`]. They are as far apart as the side takes
+//!   to change by that noise, or as [`TemperatureSettings::missing_after_us`]: a sensor that starts wrong may repeat itself at once.
+//! - **Stuck.** A sensor that repeats its value while the other side's good values move by 5 K has no good value until it gives another
+//!   one.
 
 use crate::plausibility::seconds;
 use serde::{Deserialize, Serialize};
@@ -83,12 +88,24 @@ impl TemperatureSource {
     }
 }
 
+/// Span of the other side's temperature, K, over which a sensor that works gives more than one value: five steps of 1 K, the coarsest
+/// in use. A cooled housing stays within a step for some K of its shaft.
+const STUCK: f32 = 5.0;
+
+/// No span.
+const NONE: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
+
 /// One side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Side {
     used: f32,
     /// The last good value, and when it was.
     good: Option<(f32, u64)>,
+    /// Before there is one: the value that others must agree with, and when it was.
+    first: Option<(f32, u64)>,
+    /// The last value, and the lowest and the highest good value of the other side while it repeats.
+    value: f32,
+    beside: [f32; 2],
     source: TemperatureSource,
 }
 
@@ -110,6 +127,9 @@ impl Temperatures {
         let side = Side {
             used,
             good: None,
+            first: None,
+            value: f32::NAN,
+            beside: NONE,
             source,
         };
         Self {
@@ -130,10 +150,16 @@ impl Temperatures {
         let most = settings.rate * seconds(self.last_us, time_us).min(1.0);
         self.last_us = time_us;
         if let Some([inner, outer]) = reading {
-            // Of sides too far apart, nobody knows which one is wrong.
-            let apart = (inner - outer).abs() > settings.difference;
-            for (side, value) in self.sides.iter_mut().zip([inner, outer]) {
-                if !apart {
+            let [beside_outer, beside_inner] = self.sides.map(|side| side.good);
+            let [a, b] = &mut self.sides;
+            let stuck = [
+                a.is_stuck(inner, beside_inner),
+                b.is_stuck(outer, beside_outer),
+            ];
+            // Of sides too far apart, nobody knows which one is wrong, unless one is stuck.
+            let apart = (inner - outer).abs() > settings.difference && stuck == [false; 2];
+            for ((side, value), stuck) in self.sides.iter_mut().zip([inner, outer]).zip(stuck) {
+                if !apart && !stuck {
                     side.take(time_us, value, settings);
                 }
             }
@@ -167,6 +193,19 @@ impl Side {
         self.good.map_or(began_us, |(_, then)| then)
     }
 
+    /// Whether this value repeats the last one although the other side, whose last good value this is, has moved since.
+    fn is_stuck(&mut self, value: f32, beside: Option<(f32, u64)>) -> bool {
+        if value != self.value {
+            (self.value, self.beside) = (value, NONE);
+        }
+        if let Some((beside, _)) = beside {
+            let [low, high] = self.beside;
+            self.beside = [low.min(beside), high.max(beside)];
+        }
+        let [low, high] = self.beside;
+        high - low >= STUCK
+    }
+
     fn take(&mut self, time_us: u64, value: f32, settings: &TemperatureSettings) {
         let [low, high] = settings.range;
         // Neither is true of what is no number.
@@ -180,8 +219,21 @@ impl Side {
                     return;
                 }
             }
-            // There is nothing yet that could jump.
-            None => self.used = value,
+            None => {
+                let agrees = |(first, _): &(f32, u64)| (value - first).abs() <= settings.noise;
+                let first = self.first.filter(agrees);
+                self.first = first.or(Some((value, time_us)));
+                let Some((_, since)) = first else {
+                    return;
+                };
+                if settings.rate * seconds(since, time_us) < settings.noise
+                    && time_us.saturating_sub(since) < settings.missing_after_us.into()
+                {
+                    return;
+                }
+                // There is nothing yet that could jump.
+                self.used = value;
+            }
         }
         self.good = Some((value, time_us));
     }
@@ -228,8 +280,10 @@ mod tests {
     fn what_is_measured_is_used() {
         let mut t = Temperatures::new(Some(&SETTINGS));
         run(&mut t, 0, 1, Some([24.0, 22.0]));
-        assert_eq!(t.used(), [24.0, 22.0]);
-        run(&mut t, 1, 5, Some([25.5, 22.5]));
+        assert_eq!(t.used(), [SETTINGS.reference; 2]);
+        run(&mut t, 1, 2, Some([24.5, 22.0]));
+        assert_eq!(t.used(), [24.5, 22.0]);
+        run(&mut t, 2, 5, Some([25.5, 22.5]));
         assert_eq!(t.used(), [25.5, 22.5]);
         assert_eq!(t.sources(), [TemperatureSource::Measured; 2]);
         assert_eq!(t.age(4 * SECOND), 0.0);
@@ -285,6 +339,68 @@ mod tests {
             );
             run(&mut t, 6, 10, Some(good));
             assert_eq!(t.used(), good);
+        }
+    }
+
+    /// Wrong for a tenth of a second, whether it is read once or in each tick.
+    #[test]
+    fn a_first_reading_that_is_wrong_is_not_believed() {
+        for every_us in [1000, 100_000] {
+            let mut t = Temperatures::new(Some(&SETTINGS));
+            let mut worst = SETTINGS.reference;
+            for time_us in (0..5 * SECOND).step_by(every_us) {
+                let is_wrong = time_us < SECOND / 10;
+                let reading = if is_wrong {
+                    [100.0, 65.0]
+                } else {
+                    [24.0, 22.0]
+                };
+                t.judge(time_us, Some(reading), &SETTINGS);
+                worst = t.used().into_iter().fold(worst, f32::max);
+            }
+            assert_eq!((t.used(), worst), ([24.0, 22.0], 24.0));
+            assert_eq!(t.sources(), [TemperatureSource::Measured; 2]);
+        }
+    }
+
+    #[test]
+    fn a_sensor_that_repeats_itself_while_the_other_side_warms_up_is_stuck() {
+        for stuck in [0, 1] {
+            let mut t = Temperatures::new(Some(&SETTINGS));
+            let mut told = None;
+            for second in 0..120_u64 {
+                // Sensors with steps of 1 K, on sides that warm up by 0.1 K/s.
+                let warm = (20.0 + 0.1 * second as f32 + 0.5) as u32 as f32;
+                let mut reading = [warm; 2];
+                reading[stuck] = 20.0;
+                t.judge(second * SECOND, Some(reading), &SETTINGS);
+                let others = t.sources()[1 - stuck];
+                assert!(second < 2 || others == TemperatureSource::Measured);
+                if t.age(second * SECOND) > 0.0 && second > 2 {
+                    told.get_or_insert(second);
+                }
+            }
+            // The other side reads 25 from 45 s on, which is 5 K more, and is known a reading later.
+            assert_eq!(told, Some(46), "{stuck}");
+            assert_eq!(t.sources()[stuck], TemperatureSource::Assumed);
+            // It comes back.
+            run(&mut t, 120, 150, Some([32.0; 2]));
+            assert_eq!(t.used(), [32.0; 2]);
+        }
+    }
+
+    /// Ten hours: noise of 0.4 K about halves, in steps of 1 K, on either side or on one.
+    #[test]
+    fn a_constant_temperature_is_no_stuck_sensor() {
+        let noise = |second: u64| (second.wrapping_mul(0x9E37_79B9) % 1000) as f32 * 0.8e-3 - 0.4;
+        for noisy in [[1.0, 1.0], [0.0, 1.0], [1.0, 0.0], [0.0, 0.0]] {
+            let mut t = Temperatures::new(Some(&SETTINGS));
+            for second in 0..36_000 {
+                let [inner, outer] = noisy.map(|part: f32| part * noise(second));
+                let reading = [35.5 + inner, 30.5 + outer].map(|t| (t + 0.5) as u32 as f32);
+                t.judge(second * SECOND, Some(reading), &SETTINGS);
+                assert!(t.age(second * SECOND) < 3.0, "{second} {noisy:?}");
+            }
         }
     }
 

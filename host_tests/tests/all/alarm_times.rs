@@ -4,7 +4,7 @@ use super::monitor::{IDLE, Rig, at_speed, settings};
 use host_tests::telemetry::simulated::MONITOR;
 use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level, Threshold};
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::{Alarm, Mark};
+use spindle_monitor::{Alarm, AlarmState, Mark, Readings, TemperatureSource};
 
 /// Intervals at which levels of an alarm come, us: as often as ticks, samples, estimates, seconds and blocks of the probes.
 fn intervals(alarm: Alarm) -> &'static [u64] {
@@ -89,4 +89,79 @@ fn a_blind_monitor_is_told_after_the_hold_time_of_availability() {
     // The first whole second without estimates ends one to two seconds after they fail.
     let after_us = rig.time_us - began_us;
     assert!((5_000_000..=7_100_000).contains(&after_us), "{after_us}");
+}
+
+/// A tick of the shipped spindle with these temperatures, degrees Celsius.
+fn tick(rig: &mut Rig<2, 2>, temperatures: [f32; 2]) {
+    let readings = rig.spoilt(|_| ());
+    rig.tick(&Readings {
+        temperatures: Some(temperatures),
+        ..readings
+    });
+}
+
+/// The sensor of either side fails, or repeats its value while the other side warms up by 0.5 K/s.
+#[test]
+fn a_temperature_that_is_lost_or_stuck_raises_its_alarm() {
+    for (side, is_stuck) in [(0, false), (1, false), (0, true), (1, true)] {
+        let mut rig = Rig::shipped().run_up();
+        let mut reading = [24.0, 22.0];
+        for _ in 0..2000 {
+            tick(&mut rig, reading);
+        }
+        let began_us = rig.time_us;
+        while rig.state(Alarm::Temperature) != AlarmState::Raised {
+            let seconds = (rig.time_us - began_us) as f32 * 1e-6;
+            if is_stuck {
+                reading[1 - side] = [24.0, 22.0][1 - side] + 0.5 * seconds;
+            } else {
+                reading[side] = f32::NAN;
+            }
+            tick(&mut rig, reading);
+            assert!(seconds < 20.0, "{side} {is_stuck}");
+        }
+        // After 5 s without a good value, of which a stuck sensor has the first until the other side has moved by 5 K.
+        let after = (rig.time_us - began_us) as f32 * 1e-6;
+        let exact = if is_stuck { 15.0 } else { 5.0 };
+        assert!((after - exact).abs() < 0.05, "{side} {is_stuck}: {after}");
+        let health = rig.monitor.health();
+        assert_eq!(health.temperature_sources[side], TemperatureSource::Held);
+        assert_eq!(
+            health.temperature_sources[1 - side],
+            TemperatureSource::Measured
+        );
+        // It comes back.
+        reading[side] = [24.5, 22.5][side];
+        for _ in 0..100 {
+            tick(&mut rig, reading);
+        }
+        assert_eq!(rig.state(Alarm::Temperature), AlarmState::Latched);
+    }
+}
+
+/// Wrong for a tenth of a second after the start: 100 and 65 degrees Celsius on a cold spindle.
+#[test]
+fn temperatures_that_start_wrong_raise_no_alarm() {
+    let mut rig = Rig::shipped();
+    for ms in 0..3000 {
+        let speed = 1500.0 * (ms as f32 / 1000.0).min(1.0);
+        let readings = rig.idling_at(Some(speed));
+        let reading = if ms < 100 {
+            [100.0, 65.0]
+        } else {
+            [24.0, 22.0]
+        };
+        rig.tick(&Readings {
+            temperatures: Some(reading),
+            ..readings
+        });
+    }
+    assert_eq!(rig.monitor.health().temperatures, [24.0, 22.0]);
+    for alarm in [
+        Alarm::PreloadGrowth,
+        Alarm::PeakPressure,
+        Alarm::Temperature,
+    ] {
+        assert_eq!(rig.state(alarm), AlarmState::Clear, "{alarm}");
+    }
 }
