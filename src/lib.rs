@@ -112,7 +112,7 @@ pub use bearing::Bearing;
 pub use design::{Design, DesignError, FreeContact, Material};
 pub use growth::{Expansion, Growth};
 pub use hertz::{HertzContact, elliptic_integrals};
-pub use real::Real;
+pub use real::{Real, cbrt_f32};
 pub use results::Balls;
 pub use results::frequencies::Frequencies;
 pub use results::life::{LifeRating, RatingLife};

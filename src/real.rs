@@ -222,6 +222,12 @@ macro_rules! real {
     };
 }
 
+/// Cube root of a normal positive single; 0 of anything smaller.
+#[inline(always)]
+pub fn cbrt_f32(x: f32) -> f32 {
+    x.cbrt_or_zero()
+}
+
 // 1.5 * 2^(mantissa bits - n) rounds to multiples of 2^-n: n = 8 and 9, 8 and 26.
 real!(
     f32,

@@ -434,9 +434,13 @@ impl<
         let rows = ended.all().ok_or(Status::IterationLimit)?;
         self.watch.mount(rows);
         self.reports.mount(rows);
-        let part = settings.plausibility.part(&load);
-        self.life.measure(part);
-        self.life.set_idle(damage_of(rows), part);
+        let square = settings.plausibility.square(&load);
+        // The axial force on the rows of one side: all of it, less what the other side has in common with it.
+        let forces = rows.iter().map(|row| row.force[0] - 0.5 * row.preload);
+        let pressed = [forces.sum(), 0.0, 0.0, 0.0, 0.0];
+        let pressed = settings.plausibility.square(&pressed);
+        self.life.measure(Some(square));
+        self.life.mount(damage_of(rows), square, pressed);
         Ok(())
     }
 
@@ -573,13 +577,15 @@ impl<
         let believed = doubts.is_subset(Mark::Range | Mark::Rate);
         let Ok(Some(sample)) = &readings.loads else {
             if !believed {
-                self.life.measure(0.0);
+                self.life.measure(None);
             }
             return None;
         };
-        let part = self.settings.plausibility.part(&sample.load);
+        let plausibility = &self.settings.plausibility;
+        let part = plausibility.part(&sample.load);
         let believed = believed && part <= life::LARGEST_GROWTH;
-        self.life.measure(if believed { part } else { 0.0 });
+        let square = plausibility.square(&sample.load);
+        self.life.measure(believed.then_some(square));
         if doubts.is_empty() || !believed {
             return None;
         }
@@ -718,17 +724,17 @@ impl<
         levels: &mut Levels,
     ) -> Option<bool> {
         let (task, rows) = (&ended.task, ended.all()?);
-        let part = self.settings.plausibility.part(&task.sample.load);
+        let square = self.settings.plausibility.square(&task.sample.load);
         if let Purpose::Life(scale) = task.purpose {
             let damage = damage_of(rows) * scale * scale * scale;
-            self.life.set_damage(damage, part * scale);
+            self.life.set_damage(damage, square * scale * scale);
             return None;
         }
         if let Purpose::Accuracy(_) = task.purpose {
             return Some(false);
         }
         self.watch.rows(rows, levels);
-        self.life.set_damage(damage_of(rows), part);
+        self.life.set_damage(damage_of(rows), square);
         self.counts.estimates = self.counts.estimates.saturating_add(1);
         self.reports.status = status;
         self.estimate = Some(Estimate {

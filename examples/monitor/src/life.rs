@@ -14,12 +14,28 @@
 //! Forces on the balls grow no faster than all five loads together do: the contact angle opens, and more balls carry. So
 //! `s` times the loads use up `s^3` times the life at most. Twice the loads of B7005C use up 4.9 to 7.9 times as much
 //! (`host_tests/tests/all/life.rs`). Where only range or rate speak against a sample, the loads are scaled into the
-//! range and solved there, for the life alone. Where a sample is not solved, or not yet, the last loads that were are scaled to the measured
-//! ones, and use up no less life than the preload does: right to 5 % under passing teeth. Measured loads that cannot be
-//! believed leave the rate as it was. [`Life::estimated`] has the life counted so.
+//! range and solved there, for the life alone. Where a sample is not solved, or not yet, the damage `d` per revolution follows from the
+//! last one that was, `d_s`:
+//!
+//! ```text
+//! d = k^3 (p^2 + x^2)^(3/2)        d^(2/3) = d_s^(2/3) + k^2 (x^2 - x_s^2)        k^2 x_s^2 <= d_s^(2/3)
+//! ```
+//!
+//! `x^2` is the sum of squares of the loads in parts of their ranges' larger bounds, and `p` the part that the preload stands for. `p`
+//! is that of the present, with temperature and speed, since `d_s` is. `k` is a matter of geometry: the mounted spindle tells it, at
+//! rest and cold. There, an axial load `F` on two sides that press each other with `P` makes `P + F/2` of one and `P - F/2` of the
+//! other. The mean cube of the balls' forces grows as `1 + 3 (F/(2 P))^2`, so that `p` is `sqrt(2) P` over the bound of `F`. A radial
+//! load on a row that is pressed with `P` does alike: `1 + 6 (F tan(a)/P)^2` while all balls carry, with a contact angle `a` of 15 to 25
+//! degrees.
+//!
+//! Loads beyond their ranges leave the preload next to nothing: there, `p` is 0, and the cube of the loads counts.
+//!
+//! Measured loads that cannot be believed leave the rate as it was. [`Life::estimated`] has the life counted so.
 //!
 //! An increment is some 1e-13, and there are 86 million of them in a day: in single precision the sum would
 //! stop growing. [`Sum`] adds them up as whole numbers, and carries what is left over to the next.
+
+use spindle_bearing::{cbrt_f32, sqrt_f32};
 
 /// Sum of non-negative numbers in units of `2^-FRACTION`, without a drift by rounding. It stops at its largest value,
 /// `2^(64 - FRACTION)`.
@@ -85,14 +101,13 @@ pub struct Life {
     doubtful: Revolutions,
     /// The part of `used` that was counted between samples that were solved, since the start.
     estimated: Used,
-    /// Damage per million revolutions under the last loads that were solved, and the part of their range that these
-    /// took.
+    /// `d_s`: damage per million revolutions under the last loads that were solved, and `x_s^2` of these.
     rate: f32,
     solved: f32,
-    /// The part of their range that the measured loads take; 0 if they cannot be believed.
-    measured: f32,
-    /// Damage under the preload alone.
-    idle: f32,
+    /// `x^2` of the measured loads; none if they cannot be believed.
+    measured: Option<f32>,
+    /// `k^2`.
+    slope: f32,
 }
 
 /// Most that measured loads count over their range, or over the solved loads; beyond is no load.
@@ -107,17 +122,18 @@ impl Life {
         estimated: Sum::ZERO,
         rate: 0.0,
         solved: 0.0,
-        measured: 0.0,
-        idle: 0.0,
+        measured: None,
+        slope: 0.0,
     };
 
     /// A new bearing, under the loads of now.
     pub const fn renewed(&self) -> Self {
         Self {
-            rate: self.rate,
-            solved: self.solved,
-            measured: self.measured,
-            ..Self::NEW
+            used: Sum::ZERO,
+            revolutions: Sum::ZERO,
+            doubtful: Sum::ZERO,
+            estimated: Sum::ZERO,
+            ..*self
         }
     }
 
@@ -136,23 +152,26 @@ impl Life {
     }
 
     /// From now on, these forces act. `damage` is `1 / L10`, per million revolutions, of [`LifeRating`](spindle_bearing::LifeRating), under loads
-    /// that take this part of their range ([`Life::measure`]); what is no number changes nothing.
-    pub const fn set_damage(&mut self, damage: f32, part: f32) {
+    /// of this `x^2` ([`Life::measure`]). A damage that is not a finite number changes nothing.
+    pub const fn set_damage(&mut self, damage: f32, square: f32) {
         if damage.is_finite() {
-            (self.rate, self.solved) = (damage, part);
+            (self.rate, self.solved) = (damage, square);
         }
     }
 
-    /// The forces under the preload alone: no load of a spindle uses less life.
-    pub const fn set_idle(&mut self, damage: f32, part: f32) {
-        self.idle = damage;
-        self.set_damage(damage, part);
+    /// The forces of the mounted spindle: cold, at rest, under idling loads of this `x^2`. Its rows are pressed with a force of this
+    /// part of its range, squared.
+    pub fn mount(&mut self, damage: f32, square: f32, pressed: f32) {
+        self.set_damage(damage, square);
+        let slope = two_thirds(damage) / (2.0 * pressed);
+        // Without a force there is nothing to tell it from.
+        self.slope = if slope.is_finite() { slope } else { 0.0 };
     }
 
-    /// The measured loads take this part of their range
-    /// ([`PlausibilitySettings::part`](crate::plausibility::PlausibilitySettings::part)); 0 if they cannot be believed.
-    pub const fn measure(&mut self, part: f32) {
-        self.measured = part;
+    /// The measured loads have this `x^2`
+    /// ([`PlausibilitySettings::square`](crate::plausibility::PlausibilitySettings::square)); none if they cannot be believed.
+    pub const fn measure(&mut self, square: Option<f32>) {
+        self.measured = square;
     }
 
     /// The shaft has turned on at `speed` (rad/s) for `time` (s). The forces are `estimated` if they are those of an older sample; speed
@@ -164,9 +183,19 @@ impl Life {
             self.doubtful.add(revolutions);
         }
         let mut rate = self.rate;
-        if estimated && self.measured > 0.0 {
-            let growth = (self.measured / self.solved).min(LARGEST_GROWTH);
-            rate = (rate * growth * growth * growth).max(self.idle.min(rate));
+        if estimated && let Some(measured) = self.measured {
+            let all = two_thirds(rate);
+            // `k^2` if all of it is the loads', which is the most.
+            let most = all / self.solved;
+            // Loads beyond their ranges leave the preload next to nothing.
+            let slope = if measured > 1.0 {
+                most
+            } else {
+                self.slope.min(most)
+            };
+            let grown = (all + slope * (measured - self.solved)).max(0.0);
+            let grown = grown.min(LARGEST_GROWTH * LARGEST_GROWTH * all);
+            rate = grown * sqrt_f32(grown);
         }
         let used = revolutions * 1e-6 * rate;
         self.used.add(used);
@@ -194,6 +223,12 @@ impl Life {
     pub const fn doubtful_revolutions(&self) -> u64 {
         self.doubtful.whole()
     }
+}
+
+/// `damage^(2/3)`.
+fn two_thirds(damage: f32) -> f32 {
+    let root = cbrt_f32(damage);
+    root * root
 }
 
 #[cfg(test)]

@@ -64,6 +64,16 @@ impl PlausibilitySettings {
         }
         part
     }
+
+    /// The square of some loads: each in parts of the larger bound of its range, and their squares added up.
+    pub fn square(&self, load: &[f32; 5]) -> f32 {
+        let mut square = 0.0;
+        for (load, [low, high]) in load.iter().zip(&self.load) {
+            let part = load / low.abs().max(high.abs());
+            square += part * part;
+        }
+        square
+    }
 }
 
 /// Readings of the sensors in a tick.

@@ -110,11 +110,13 @@ fn life_through_overloads_is_right_to_a_tenth_below_and_six_tenths_above() {
 #[test]
 fn life_without_an_estimate_goes_by_the_cube_of_the_load() {
     let mut life = Life::NEW;
-    life.measure(0.40);
-    life.set_damage(1.0, 0.40);
+    let square = |part: f32| part * part;
+    // Next to no preload.
+    life.mount(1.0, square(0.40), 1e-3);
+    life.measure(Some(square(0.40)));
     life.turn(SPEED, 1.0, false, false);
     let known = life.used();
-    life.measure(0.48);
+    life.measure(Some(square(0.48)));
     life.turn(SPEED, 1.0, true, true);
     let ratio = life.estimated() / known;
     assert!((ratio - 1.2f32.powi(3)).abs() < 1e-4, "{ratio}");

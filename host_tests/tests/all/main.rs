@@ -27,6 +27,7 @@ mod hostile;
 mod imports;
 mod keys;
 mod life;
+mod life_between;
 mod limits;
 mod log;
 mod monitor;
