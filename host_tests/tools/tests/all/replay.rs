@@ -965,13 +965,16 @@ fn begun(out: &std::path::Path) -> std::process::Child {
         .unwrap()
         .write_all(text.as_bytes())
         .unwrap();
-    for _ in 0..600 {
-        if parts(out).iter().any(|part| !before.contains(part)) {
-            return running;
-        }
+    let has_begun = (0..600).any(|_| {
         thread::sleep(std::time::Duration::from_millis(50));
+        parts(out).iter().any(|part| !before.contains(part))
+    });
+    if !has_begun {
+        running.kill().unwrap();
+        running.wait().unwrap();
+        panic!("no unfinished output in half a minute");
     }
-    panic!("no unfinished output in half a minute");
+    running
 }
 
 /// Unfinished outputs beside this path.
@@ -1029,7 +1032,7 @@ fn a_run_removes_what_killed_ones_have_left_and_nothing_else() {
     assert_eq!(parts(&out).len(), 2);
     drop(running.stdin.take());
     assert!(running.wait().unwrap().success());
-    assert_eq!(parts(&out), [kept.clone()]);
+    assert_eq!(parts(&out), std::slice::from_ref(&kept));
     for path in [out, kept] {
         std::fs::remove_file(path).unwrap();
     }
