@@ -175,8 +175,8 @@ pub struct Solver {
 /// Index of the sleeve's closure in the unknowns, after the motion at `x = 0`.
 const SLEEVE: usize = 5;
 
-/// Residual, over forces, from which the second stage goes on. Levers of 30 m leave doubles no less than 1e-9.
-const NEAR: f64 = 1e-7;
+/// Residual, over forces, from which the second stage goes on.
+const NEAR: f64 = 1e-10;
 
 /// Strides of a cold start from its first load to the load that is asked for, failed ones included.
 const MOST_STRIDES: usize = 20;
@@ -309,7 +309,7 @@ impl Solver {
     ) -> Result<([f64; 5], Vec<[f64; 2]>), Failure> {
         let (p, balls) = (u.to_vec(), vec![x.to_vec()]);
         let problem = self.problem(task);
-        let found = self.newton(State { p, balls }, &problem, limit)?;
+        let found = self.newton(State { p, balls }, &problem, 1e-7, limit)?;
         Ok((from_fn(|i| found.p[i]), found.balls.concat()))
     }
 
@@ -330,6 +330,19 @@ impl Solver {
     /// # Errors
     /// Why there is none.
     pub fn polish(&self, task: &Task, answer: &Answer) -> Result<Equilibrium, Failure> {
+        self.polish_from(task, answer, NEAR)
+    }
+
+    /// [`Self::polish`] where levers leave doubles no less than the residual `near`, over forces: 1e-9 of 30 m.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn polish_from(
+        &self,
+        task: &Task,
+        answer: &Answer,
+        near: f64,
+    ) -> Result<Equilibrium, Failure> {
         let problem = self.problem(task);
         // Shaft and supports are bent as the forces of rows and loads bend them.
         let free = 5 + usize::from(self.spring.is_some());
@@ -352,7 +365,7 @@ impl Solver {
         let rows = self.rows.iter().zip(&answer.rows);
         let balls = rows.map(|(row, found)| row.bearing.centres(&found.balls));
         let balls = balls.collect();
-        let state = self.newton(State { p, balls }, &problem, 60)?;
+        let state = self.newton(State { p, balls }, &problem, near, 60)?;
         self.refine(&state, &problem)
     }
 
@@ -513,8 +526,14 @@ impl Solver {
     }
 
     /// Newton on everything at once, with shorter steps where the residual does not fall. It ends where the residual, over
-    /// forces, is rounding, or below [`NEAR`] and falls no more.
-    fn newton(&self, mut state: State, problem: &Problem, limit: usize) -> Result<State, Failure> {
+    /// forces, is rounding, or below `near` and falls no more.
+    fn newton(
+        &self,
+        mut state: State,
+        problem: &Problem,
+        near: f64,
+        limit: usize,
+    ) -> Result<State, Failure> {
         let held = state.p.iter_mut().zip(&problem.task.held);
         held.for_each(|(p, held)| *p = held.unwrap_or(*p));
         let bearing = &self.rows[0].bearing;
@@ -530,7 +549,7 @@ impl Solver {
             let size = at.residual / at.largest;
             // Rounding of lengths, of which deformations are differences.
             let rounding = length / (at.largest / contact).powf(2.0 / 3.0);
-            if size <= 1e-15 * (1.0 + rounding) * count || size < NEAR && size > 0.1 * last {
+            if size <= 1e-15 * (1.0 + rounding) * count || size < near && size > 0.1 * last {
                 return Ok(state);
             }
             last = size;
@@ -554,7 +573,7 @@ impl Solver {
             });
             match better {
                 Some(found) => (state, at) = found,
-                None if size < NEAR => return Ok(state),
+                None if size < near => return Ok(state),
                 None => break,
             }
         }
@@ -601,7 +620,7 @@ impl Solver {
             loads.for_each(|(load, start)| *load = goal * *load + (1.0 - goal) * start);
             let held = part.task.held.iter_mut().zip(&first);
             held.for_each(|(held, p)| *held = held.map(|u| goal * u + (1.0 - goal) * p));
-            match self.newton(state.clone(), &part, 60) {
+            match self.newton(state.clone(), &part, NEAR, 60) {
                 Ok(found) if goal == 1.0 => return Ok(found),
                 Ok(found) => (state, done, stride) = (found, goal, 2.0 * stride),
                 Err(_) => stride *= 0.25,

@@ -2,11 +2,12 @@
 
 use super::elastic::random_elastic;
 use super::solves::{Answer, found, lengths, vector_error};
-use super::spindles::reference_near;
 use files::plan::{ElasticShaft, Plan, Question, Row};
 use host_tests::cases::{B7005C, Random};
 use host_tests::compare::{stiffness_error, worse};
 use host_tests::dispatch::{Attitude, Precision};
+use host_tests::reference::Task;
+use host_tests::reference::spindle::Solver;
 use rayon::prelude::*;
 use spindle_bearing::{Arrangement, Facing, Preload, Section, ShaftLoad, Support};
 use std::array::from_fn;
@@ -383,7 +384,9 @@ fn stated_errors_of_double_precision_hold_far_from_the_rows() {
         let over = asked.map(|(plan, question)| {
             let plan = about_loads(plan);
             let found = solve(&plan, attitude, Precision::F64, &question, 0.0)?;
-            let Some(truth) = reference_near(&plan, attitude, &question, &found) else {
+            let task = Task::new(question.load, question.omega, attitude);
+            let reference = Solver::new(&plan, &[]).unwrap();
+            let Ok(truth) = reference.polish_from(&task, &found, 1e-7) else {
                 return Some([f64::INFINITY; 3]);
             };
             let errors = found.equilibrium().errors(&truth, &plan.rows[0].design);

@@ -294,12 +294,12 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
         (
             "= 0.525",
             "= -0.0",
-            "6, column 23: `outer_groove_factor`: in SI units, outer groove factor fo is -0, but must",
+            "6, column 23: `outer_groove_factor`: in SI units, outer groove factor fo",
         ),
         (
             "= 36",
             "= 0",
-            "4, column 21: `pitch_diameter_mm`: in SI units, pitch diameter dm is 0, but must lie",
+            "4, column 21: `pitch_diameter_mm`: in SI units, pitch diameter dm",
         ),
         (
             "= 15\n",
