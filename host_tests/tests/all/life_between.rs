@@ -65,7 +65,7 @@ impl<'p> Visitor<'p, f64> for Damages<'_> {
 fn damages(state: State, loads: &[[f32; 5]]) -> Vec<f64> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/firmware/spindle.toml");
     let file = SpindleFile::read(file).unwrap();
-    let plan = board::plan(&file).unwrap();
+    let plan = board::plan(&file, None).unwrap();
     let mut damages = Vec::new();
     let visitor = Damages {
         file: &file,

@@ -208,7 +208,7 @@ fn run(has_ring: bool, is_back_to_back: bool, stall_us: u64, tick_us: u64, secon
             for (at, alarm) in [(ALARM, Alarm::Overload), (LATER_ALARM, Alarm::Slip)] {
                 let mut levels = Levels::default();
                 levels.set_value(alarm, if seconds < at { 0.0 } else { f32::INFINITY });
-                let _ = judgement.judge(time_us, &levels, &SETTINGS.alarms);
+                let _ = judgement.judge(time_us, &levels, &SETTINGS.alarms, |_| 1000);
             }
             if seconds >= REFERENCES {
                 let (value, error) = (1.0, 0.01);
