@@ -221,7 +221,9 @@ fn an_overload_takes_pc7_away_within_four_ticks_whatever_the_estimate() {
         }
         for tick in 0..10 {
             let outcome = pressed(&mut rig, 2e3);
-            assert!(!outcome.solved && outcome.age.is_some() == estimated);
+            // The first tick ends the solve of the last idling one.
+            assert!(!outcome.solved || estimated && tick == 0);
+            assert_eq!(outcome.age.is_some(), estimated);
             assert_eq!(outcome.outputs.no_alarm, tick < 3, "{tick}");
         }
         for _ in 0..100 {

@@ -146,7 +146,13 @@ fn sources(folder: &Path) -> String {
 #[test]
 fn each_test_that_the_page_on_safety_names_is_there() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let tests = sources(&here.join("tests/all")) + &sources(&here.join("../examples/monitor/src"));
+    let folders = [
+        "tests/all",
+        "twin/src",
+        "tools/src",
+        "../examples/monitor/src",
+    ];
+    let tests = folders.map(|folder| sources(&here.join(folder))).concat();
     let names = SAFETY.split('`').skip(1).step_by(2);
     let names = names.filter(|name| name.matches('_').count() > 3);
     let missing = names

@@ -372,11 +372,16 @@ fn defaults_are_the_settings_of_the_monitor() {
     ] {
         assert_near(found, truth.into(), by, "plausible");
     }
-    // 1,700 N on two rows of C = 14.3 kN, and such a cutter's moment.
-    for (i, most) in [1700.0, 1700.0, 1700.0, 86.0, 86.0].into_iter().enumerate() {
+    // 6 % of two rows of C = 14.50 kN, and a cutter's moment on an arm of 1.4 pitch diameters.
+    let force = 0.06 * 2.0 * 14.50e3;
+    let moment = 1.4 * 0.036 * force;
+    for (i, most) in [force, force, force, moment, moment]
+        .into_iter()
+        .enumerate()
+    {
         let [low, high] = truth.load[i];
         let (overload, rate) = (start.watch.overload[i], truth.load_rate[i]);
-        assert_near(high.into(), most, 0.02, "range");
+        assert_near(high.into(), most, 1e-3, "range");
         assert_eq!((low, overload), (-high, high));
         for (found, truth) in [
             (p.load[i][1], high),
