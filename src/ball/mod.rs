@@ -259,9 +259,15 @@ impl<T: Real> Ball<T> {
         [self.local.sd, self.local.cd]
     }
 
-    /// How the contacts change if the groove's centre moves by `da` and the ball follows.
+    /// How the contacts change if the groove's centre moves by `da` and the ball follows; `with_second` with forces of second order.
     #[inline(always)]
-    pub fn change<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
+    pub fn change<R: Rule>(
+        &self,
+        c: &Constants<T>,
+        p: &Point<T>,
+        da: Pair<T>,
+        with_second: bool,
+    ) -> Change<T> {
         let l = &self.local;
         let turned = turn(self.n, da);
         if !R::INERTIA {
@@ -291,12 +297,20 @@ impl<T: Real> Ball<T> {
         let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
         let depth = (inner.abs() + outer.abs()).at_most(T::ONE + T::ONE);
         let (depth, turn) = (T::of(0.5) * depth, turn_i.abs() + turn_o.abs());
+        // The contacts sink in by the turn of their normals, and their forces grow with the power 3/2.
+        let second = if with_second {
+            let turned = v[1] * turn_i * l.hn + across * turn_o * l.ho;
+            T::of(0.5) * turned + depth * depth * l.hn * l.delta
+        } else {
+            T::ZERO
+        };
         Change {
             depth,
             turn,
             relative: depth + (turn + turn),
             cos: l.cd,
             off: T::ZERO,
+            second,
             h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }
@@ -317,6 +331,7 @@ impl<T: Real> Ball<T> {
             relative: depth + (turn + turn),
             cos: T::ONE,
             off: T::ZERO,
+            second: (T::of(0.5) * turn * v[1].abs() + depth * depth * l.delta) * l.hn,
             h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }

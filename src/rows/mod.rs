@@ -252,9 +252,9 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
 
     /// Changes of the stiffness's diagonal along a step `du`, and the rest of their estimate; its force is the largest error.
     #[inline(never)]
-    pub fn changes<A: Rule>(&self, du: &[T; D]) -> ([T; D], Estimate<T>) {
+    pub fn changes<A: Rule>(&self, du: &[T; D], with_second: bool) -> ([T; D], Estimate<T>) {
         if !SET {
-            let (k, estimate) = self.rows[0].changes::<A>(&in_full(du));
+            let (k, estimate) = self.rows[0].changes::<A>(&in_full(du), with_second);
             return (vector(|i| k[i]), estimate);
         }
         let (mut k, mut all) = ([T::ZERO; D], Estimate::<T>::NONE);
@@ -267,7 +267,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 Some(deflection) => mount.of_centre(&deflection.moved),
                 None => mount.motion::<D, SET>(du),
             };
-            let (own, estimate) = row.changes::<A>(&step);
+            let (own, estimate) = row.changes::<A>(&step, with_second);
             let unit = mount.force * mount.length;
             // From the row's groove plane to the shaft's, or to the row's centre.
             let lever = match deflection {
@@ -286,6 +286,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             }
             all.relative = all.relative.at_least(estimate.relative);
             all.force = all.force.at_least(mount.force * estimate.force);
+            all.second = all.second.at_least(mount.force * estimate.second);
             all.largest = all.largest.at_least(mount.force * estimate.largest);
             all.cos = all.cos.at_most(estimate.cos);
         }

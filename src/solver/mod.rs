@@ -173,8 +173,8 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solver<T, N, M, D> {
     /// `None` after any other end. Also between two rows of a pass, where a figure is not finite, and where no time was left for a
     /// start, which the next solve begins.
     ///
-    /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where that
-    /// of the stiffness is 1 or more, nothing is known of it.
+    /// [`Solution::load`] is the load that the balls carry there. The error estimate holds for the load of the solve; where all
+    /// of its figures are 1 or more, nothing is known of the state.
     pub fn unfinished<'s>(
         &'s self,
         bearing: &'s Bearing<T, N>,

@@ -266,7 +266,7 @@ impl<T: Real, const D: usize> State<T, D> {
                 let planar = moved(plane, &back);
                 self.advance(planar);
                 if time.is_up {
-                    self.estimate_change::<A, R, SET, E>(rows, &planar, near);
+                    self.estimate_change::<A, R, SET, E>(rows, &planar, false);
                     break;
                 }
                 continue;
@@ -279,7 +279,8 @@ impl<T: Real, const D: usize> State<T, D> {
             // With a residual above `far`, the step changes the stiffness: no need to estimate it.
             let far = residual > problem.far;
             if !far || time.is_up {
-                self.estimate_change::<A, R, SET, E>(rows, &planar, near && time.is_up);
+                let may_correct = near && !damped && time.is_up;
+                self.estimate_change::<A, R, SET, E>(rows, &planar, may_correct);
             }
             let work = product(&r, &du);
             if damped {
@@ -322,7 +323,7 @@ impl<T: Real, const D: usize> State<T, D> {
         planar: &[T; D],
         may_correct: bool,
     ) {
-        let (changes, mut estimate) = rows.changes::<A>(planar);
+        let (changes, mut estimate) = rows.changes::<A>(planar, may_correct);
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {

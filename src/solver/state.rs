@@ -155,6 +155,7 @@ impl<T: Real, const D: usize> Attempt<T, D> {
                 k: T::ZERO,
                 relative: T::ZERO,
                 force: T::ZERO,
+                second: T::ZERO,
                 largest: T::ZERO,
                 cos: T::ZERO,
             },
@@ -231,6 +232,7 @@ impl<T: Real> StepReport<T> {
             k: T::ONE,
             relative: T::ONE,
             force: T::ONE,
+            second: T::ONE,
             largest: T::ONE,
             cos: T::ONE,
         },
@@ -256,6 +258,9 @@ pub struct Control<T, const D: usize> {
     pub last: Step<T, D>,
 }
 
+/// Rounding of the constants, which are worked out in double precision, by some thirty operations each.
+const CONSTANTS: f64 = 64.0 * f64::EPSILON;
+
 /// Rounding error of the force of a ball, relative to it: its deformation is a difference of numbers like the ring's offset `v`
 /// from the reference, or of a unit of length.
 #[inline(never)]
@@ -276,49 +281,83 @@ impl<T: Real, const D: usize> State<T, D> {
             ..
         } = &self.attempt;
         let (termination, estimate, step) = (*termination, report.estimate, report.step);
-        let margin = T::of(tuning::MARGIN);
-        // Errors include the sleeve; scale them to the shaft's stiffness.
-        let is_sprung = D == 6 && termination == Termination::Unfinished;
-        let mut stiffness = match termination {
-            // The estimate is above what a long step changes by itself.
-            Termination::Unfinished if self.stale => estimate.corrected(),
-            // A ball is out of balance, or a correction makes the stiffness no better: nothing is known of it.
-            Termination::Unfinished if is_sprung => margin * estimate.k.at_least(T::ONE),
-            Termination::Unfinished => estimate.k.at_least(T::ONE),
-            _ => margin * estimate.k,
-        };
-        if is_sprung {
-            stiffness = self.without_sleeve() * stiffness;
+        if termination == Termination::Unfinished {
+            return self.errors_so_far(u, inertia);
         }
+        let margin = T::of(tuning::MARGIN);
         let rounding = rounding(estimate.largest, &self.at);
         // Where rounding ends a solve, the balance is as good as the balls' forces, and the last step is not taken.
         let (unbalanced, untaken) = if termination == Termination::Rounded {
             (rounding, step)
-        } else if is_sprung {
-            (margin * estimate.force, T::ZERO)
         } else {
             (T::EPSILON, T::ZERO)
         };
         let forces = self.load_scale + inertia;
         let moved = T::of(4.0) * T::EPSILON + unbalanced * forces * self.factors.compliance();
         let step = untaken.at_least(margin * step * estimate.relative);
-        // Constants are worked out in double precision, by some thirty operations each.
-        let constants = T::of(64.0 * f64::EPSILON);
-        let rounding = rounding + constants;
-        let displacement =
-            constants + T::of(8.0) * T::EPSILON + (step + moved) / norm(u).at_least(T::TINY);
-        let mut errors = ErrorEstimate {
-            displacement,
+        let rounding = rounding + T::of(CONSTANTS);
+        ErrorEstimate {
+            displacement: T::of(CONSTANTS)
+                + T::of(8.0) * T::EPSILON
+                + (step + moved) / norm(u).at_least(T::TINY),
             // Rounding of the ring's displacement, too, changes deformations.
             force: margin * estimate.force + rounding + rounding,
-            stiffness: stiffness + rounding,
-        };
-        // Nothing is known of what the next steps change, either.
-        if is_sprung && stiffness >= T::ONE {
-            errors.displacement = displacement.at_least(stiffness);
-            errors.force = errors.force.at_least(stiffness);
+            stiffness: margin * estimate.k + rounding,
         }
-        errors
+    }
+
+    /// Errors of an unfinished solve, 1 or more each where nothing is known: a ball is out of balance, the last step was no Newton
+    /// step, or its correction makes the stiffness no better.
+    #[cold]
+    #[inline(never)]
+    fn errors_so_far(&self, u: &[T; D], inertia: T) -> ErrorEstimate<T> {
+        let (one, margin) = (T::ONE, T::of(tuning::MARGIN));
+        let StepReport {
+            estimate,
+            residual,
+            step,
+        } = self.attempt.report;
+        // Errors include the sleeve; scale them to the shaft's stiffness.
+        let scale = if D == 6 { self.without_sleeve() } else { one };
+        let (left, second) = (
+            scale * estimate.corrected(),
+            estimate.second / estimate.largest,
+        );
+        // Steps to come shrink by the relative change of a ball's stiffness at most, as a geometric series does: a state is known
+        // where half of that change leaves less than the stiffness itself.
+        let is_known =
+            self.stale && left.at_least(scale * second) < one - T::of(0.5) * estimate.relative;
+        // The whole of it is stated, more where the load was unbalanced by much of its size.
+        let (ahead, least) = if is_known {
+            let ahead = (one + T::of(0.5) * residual) / (one - estimate.relative);
+            (ahead, T::ZERO)
+        } else {
+            (one, margin * scale * estimate.k.at_least(one))
+        };
+        let stiffness = if is_known {
+            // Below 1, from which on nothing is known.
+            (ahead * left.at_least(scale * second)).at_most(T::of(0.99))
+        } else {
+            least
+        };
+        let force = margin * ahead * second;
+        // Errors of two balls add up; far off, of all balls.
+        let forces = if is_known {
+            estimate.largest + estimate.largest
+        } else {
+            self.load_scale + inertia
+        };
+        let unbalanced = force * forces + T::EPSILON * self.load_scale;
+        let moved = T::of(4.0) * T::EPSILON + unbalanced * self.factors.compliance();
+        let step = margin * ahead * step * estimate.relative;
+        let rounding = rounding(estimate.largest, &self.at) + T::of(CONSTANTS);
+        let displacement =
+            T::of(CONSTANTS) + T::of(8.0) * T::EPSILON + (step + moved) / norm(u).at_least(T::TINY);
+        ErrorEstimate {
+            displacement: displacement.at_least(least),
+            force: (force + rounding + rounding).at_least(least),
+            stiffness: stiffness + rounding,
+        }
     }
 }
 

@@ -253,6 +253,9 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         if self.last.state.placed != 0 {
             (solution.error.displacement, solution.off) = (T::ONE, norm(&reached.u));
         }
+        if solution.error.stiffness >= T::ONE {
+            solution.error.displacement = solution.error.displacement.at_least(T::ONE);
+        }
         // A sleeve that no ball holds makes the shaft's stiffness 0 / 0.
         let is_finite = solution.stiffness().iter().all(|row| are_finite(row));
         is_finite.then_some(solution)

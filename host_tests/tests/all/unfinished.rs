@@ -3,7 +3,7 @@
 use super::cutting::{TICKS, cuts};
 use super::solves::{SKEW, lengths, vector_error};
 use host_tests::cases::{B7005C, Random};
-use host_tests::compare::stiffness_error;
+use host_tests::compare::{stiffness_error, worse};
 use host_tests::milling_cycle::{Place, recorded};
 use rayon::prelude::*;
 use spindle_bearing::{
@@ -107,10 +107,12 @@ fn a_tick_without_an_answer_has_a_stiffness_within_the_error_that_it_states() {
     }
 }
 
-/// Figures of a sprung pair: displacements, contact forces, stiffness, and their stated errors.
+/// Figures of a spindle: displacements, contact forces, stiffness, and their stated errors.
 type Figures = ([f64; 5], Vec<f64>, [[f64; 5]; 5], [f64; 3]);
 
-fn figures<T: Real>(found: &SpindleSolution<'_, T, 2, 16, RacewayControlFree, 6>) -> Figures {
+fn figures<T: Real, const D: usize, const E: usize>(
+    found: &SpindleSolution<'_, T, 2, 16, RacewayControlFree, D, E>,
+) -> Figures {
     let forces = found.rows().flat_map(|row| {
         let forces = row
             .balls()
@@ -124,6 +126,17 @@ fn figures<T: Real>(found: &SpindleSolution<'_, T, 2, 16, RacewayControlFree, 6>
         found.stiffness().map(|row| row.map(T::to_f64)),
         [error.displacement, error.force, error.stiffness].map(T::to_f64),
     )
+}
+
+/// True errors of displacements, contact forces and stiffness.
+fn errors((u, q, k, _): &Figures, (true_u, true_q, true_k, _): &Figures) -> [f64; 3] {
+    let largest = true_q.iter().copied().fold(0.0, f64::max);
+    let off = q.iter().zip(true_q).map(|(q, t)| (q - t).abs() / largest);
+    [
+        vector_error(*u, *true_u, lengths(&B7005C)),
+        off.fold(0.0, worse),
+        stiffness_error(k, true_k),
+    ]
 }
 
 /// With the spring's force held, the shaft's axial stiffness is a difference. Loads jump at every tick.
@@ -168,7 +181,6 @@ fn a_sprung_set_without_an_answer_states_errors_that_hold() {
             let Some(found) = solver.unfinished(&set) else {
                 continue;
             };
-            let (u, q, k, stated) = figures(&found);
             judge.reset();
             let truth = judge.solve(
                 &true_set,
@@ -177,18 +189,11 @@ fn a_sprung_set_without_an_answer_states_errors_that_hold() {
                 &Settings::default(),
             );
             let Ok(truth) = truth else { continue };
-            let (true_u, true_q, true_k, _) = figures(&truth);
-            let largest = true_q.iter().copied().fold(0.0, f64::max);
-            let off = q.iter().zip(&true_q).map(|(q, t)| (q - t).abs() / largest);
-            let errors = [
-                vector_error(u, true_u, lengths(&B7005C)),
-                off.fold(0.0, f64::max),
-                stiffness_error(&k, &true_k),
-            ];
+            let errors = errors(&figures(&found), &figures(&truth));
             counts[0] += 1;
             let holds = errors
                 .iter()
-                .zip(stated)
+                .zip(figures(&found).3)
                 .all(|(e, stated)| *e <= 3.0 * stated);
             counts[1] += usize::from(!holds);
         }
@@ -431,4 +436,210 @@ fn a_solve_that_is_left_after_every_row_has_the_bits_of_one_that_is_not() {
     let sprung = Spindle::sprung(pair, [row(0.0, Facing::PlusX), rear], 200.0).unwrap();
     check(&sprung);
     check(&sprung.elastic(&shaft, [housing; 2]).unwrap());
+}
+
+/// A problem of a pair: loads and where they act, given displacements, speed, growth. All numbers are exact in single precision.
+#[derive(Clone)]
+struct Chained {
+    load: [f64; 5],
+    place: Option<f64>,
+    given: Option<[Option<f64>; 5]>,
+    rpm: f64,
+    growth: [Growth<f64>; 2],
+}
+
+impl Chained {
+    fn new(random: &mut Random) -> Self {
+        let mut problem = Self {
+            load: [0.0; 5],
+            place: None,
+            given: None,
+            rpm: 20_000.0,
+            growth: [Growth::NONE; 2],
+        };
+        for what in [0, 2, 3, 4] {
+            if what == 0 || random.between(0.0, 1.0) < 0.25 {
+                problem.change(random, what);
+            }
+        }
+        problem
+    }
+
+    /// Changes the load, the speed, the growth, given displacements or the place of the load, each by a part from 1 to 100 %; or nothing.
+    fn change(&mut self, random: &mut Random, what: usize) {
+        let mut draw = |a: f64, b: f64| f64::from(random.between(a, b) as f32);
+        let rounded = |x: f64| f64::from(x as f32);
+        let part = 10_f64.powf(draw(-2.0, 0.0));
+        match what {
+            0 | 1 => {
+                let size = 10_f64.powf(draw(-0.7, 0.3));
+                for (load, most) in self.load.iter_mut().zip([300.0, 300.0, 300.0, 3.0, 3.0]) {
+                    *load = rounded(*load + part * (size * draw(-most, most) - *load));
+                }
+            }
+            2 => {
+                let own = part.mul_add(draw(-0.3, 0.3), 1.0) * self.rpm;
+                let from_rest = draw(0.0, 1.0) < 0.3;
+                self.rpm = rounded(if from_rest { draw(0.0, 24_000.0) } else { own });
+            }
+            3 => {
+                for growth in &mut self.growth {
+                    growth.axial = rounded(growth.axial + part * draw(-2e-6, 2e-6));
+                    growth.radial =
+                        rounded(part.mul_add(draw(-1e-6, 3e-6), growth.radial * (1.0 - part)));
+                    growth.ball = rounded(part * draw(-5e-7, 5e-7));
+                }
+            }
+            4 => {
+                let held = [1_u8, 2, 4, 24, 6, 7, 31, 30, 25, 0][draw(0.0, 9.99) as usize];
+                let most = [6e-6, 6e-6, 6e-6, 2e-4, 2e-4];
+                self.given = (held > 0).then(|| {
+                    std::array::from_fn(|i| ((held >> i) & 1 == 1).then(|| draw(-most[i], most[i])))
+                });
+            }
+            5 => self.place = (draw(0.0, 1.0) < 0.6).then(|| draw(-0.08, 0.16)),
+            _ => {}
+        }
+    }
+
+    /// Solves it; figures of the answer.
+    fn solve<T: Real, const D: usize, const E: usize>(
+        &self,
+        solver: &mut SpindleSolver<T, 2, 16, RacewayControlFree, D, E>,
+        spindle: &Spindle<'_, T, 2, 16, D, E>,
+        settings: &Settings<T>,
+        more_time: impl FnMut() -> bool,
+    ) -> Result<Figures, Status<T>> {
+        let growth = self.growth.map(|growth| Growth {
+            axial: T::of(growth.axial),
+            radial: T::of(growth.radial),
+            ball: T::of(growth.ball),
+        });
+        let at = Speed::rpm(T::of(self.rpm)).with_growth(growth);
+        let load = self.load.map(T::of);
+        let found = if let Some(given) = self.given {
+            let given: [Given<T>; 5] = std::array::from_fn(|i| {
+                given[i].map_or(Given::Load(load[i]), |u| Given::Displacement(T::of(u)))
+            });
+            solver.solve_while(spindle, given, at, settings, more_time)
+        } else if let Some(position) = self.place.map(T::of) {
+            let loads = [ShaftLoad { position, load }];
+            return solver
+                .solve_while(spindle, &loads, at, settings, more_time)
+                .map(|found| figures(&found));
+        } else {
+            solver.solve_while(spindle, load, at, settings, more_time)
+        };
+        found.map(|found| figures(&found))
+    }
+}
+
+/// Chains of problems, few of which are finished: how many states there are, are known, are beyond 3 and beyond 10 times an error
+/// that they state.
+fn chains<T: Real, const D: usize, const E: usize>(
+    spindle: &Spindle<'_, T, 2, 16, D, E>,
+    double: &Spindle<'_, f64, 2, 16, D, E>,
+) -> [usize; 4] {
+    const CHAINS: u64 = 500;
+    let chain = |number: u64| {
+        let mut random = Random::seeded(number);
+        let (mut solver, mut counts) = (SpindleSolver::of(), [0; 4]);
+        let mut problem = Chained::new(&mut random);
+        let cap = 1 + random.between(0.0, 4.0) as u16;
+        for _ in 0..7 {
+            let settings = Settings {
+                max_iterations: cap,
+                ..[Settings::TICK, Settings::DEFAULT][random.between(0.0, 2.0) as usize]
+            };
+            // Some are stopped after rows of balls.
+            let stops = random.between(0.0, 1.0) < 0.3;
+            let mut left = if stops {
+                1 + random.between(0.0, 6.0) as u32
+            } else {
+                u32::MAX
+            };
+            let more_time = || {
+                left -= 1;
+                left > 0
+            };
+            let ended = problem.solve(&mut solver, spindle, &settings, more_time);
+            if matches!(ended, Err(Status::IterationLimit))
+                && let Some(found) = solver.unfinished(spindle)
+                && let found = figures(&found)
+                && let Ok(truth) = problem.solve(
+                    &mut SpindleSolver::of(),
+                    double,
+                    &Settings::default(),
+                    || true,
+                )
+            {
+                let ratios = errors(&found, &truth).into_iter().zip(found.3);
+                let ratios = ratios.filter(|(_, stated)| *stated < 1.0);
+                let largest = ratios.fold(0.0, |largest, (e, stated)| worse(largest, e / stated));
+                counts[0] += 1;
+                counts[1] += usize::from(found.3[2] < 1.0);
+                counts[2] += usize::from(!(largest <= 3.0));
+                counts[3] += usize::from(!(largest <= 10.0));
+            }
+            for _ in 0..=(random.between(0.0, 2.0) as usize) {
+                let what = random.between(0.0, 7.0) as usize;
+                problem.change(&mut random, what);
+            }
+        }
+        counts
+    };
+    (0..CHAINS)
+        .into_par_iter()
+        .map(chain)
+        .reduce(|| [0; 4], |a, b| std::array::from_fn(|i| a[i] + b[i]))
+}
+
+/// Growth, speed, loads, their places and given displacements change; solves are stopped after few iterations, and between rows.
+#[test]
+fn no_chain_of_problems_states_errors_that_are_too_small() {
+    fn judge<T: Real>() {
+        let single = Bearing::<T, 16>::of(&B7005C).unwrap();
+        let double = Bearing::<f64, 16>::of(&B7005C).unwrap();
+        fn row<T: Real>(bearing: &Bearing<T, 16>, at: f64, facing: Facing) -> Mounted<'_, T, 16> {
+            Mounted::new(bearing, T::of(at), facing)
+        }
+        fn clamped<T: Real>(bearing: &Bearing<T, 16>) -> Spindle<'_, T, 2, 16> {
+            let preload = Preload::Force(T::of(200.0));
+            Spindle::pair(Arrangement::BackToBack, bearing, T::of(0.125), preload).unwrap()
+        }
+        fn sprung<T: Real>(bearing: &Bearing<T, 16>) -> SprungSpindle<'_, T, 2, 16> {
+            let sleeve = row(bearing, 0.125, Facing::MinusX).with(Preload::Spring);
+            let rows = [row(bearing, 0.0, Facing::PlusX), sleeve];
+            Spindle::sprung(Arrangement::ByRows, rows, T::of(200.0)).unwrap()
+        }
+        let section = [Section {
+            from: -0.05,
+            to: 0.15,
+            outer: 0.025,
+            inner: 0.0,
+        }];
+        fn housing<T: Real>() -> [Support<T>; 2] {
+            [Support {
+                axial: T::of(3e8),
+                radial: T::of(3e8),
+                ..Support::RIGID
+            }; 2]
+        }
+        let shaft = Shaft::<T, 1>::new(&section, &Material::STEEL).unwrap();
+        let double_shaft = Shaft::<f64, 1>::new(&section, &Material::STEEL).unwrap();
+        let elastic = clamped(&single).elastic(&shaft, housing()).unwrap();
+        let double_elastic = clamped(&double).elastic(&double_shaft, housing()).unwrap();
+        for (kind, least, [states, known, wrong, far]) in [
+            ("clamped", 70, chains(&clamped(&single), &clamped(&double))),
+            ("sprung", 60, chains(&sprung(&single), &sprung(&double))),
+            ("elastic", 65, chains(&elastic, &double_elastic)),
+        ] {
+            let found = format!("{kind}: {wrong} and {far} of {known} known, {states} states");
+            assert!(states > 1000 && 100 * known >= least * states, "{found}");
+            // So few chains tell no less than 0.1 %.
+            assert!(1000 * wrong <= known && far == 0, "{found}");
+        }
+    }
+    judge::<f32>();
+    judge::<f64>();
 }
