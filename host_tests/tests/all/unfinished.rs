@@ -643,3 +643,54 @@ fn no_chain_of_problems_states_errors_that_are_too_small() {
     judge::<f32>();
     judge::<f64>();
 }
+
+/// Loads of a sprung pair that jump at every call, solved to rounding and as ticks: a tick's stiffness is stated to 5e-3 or less.
+#[test]
+fn answers_under_loads_that_jump_state_errors_that_hold_and_no_more_than_promised() {
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let row = |x, facing| Mounted::<f64, 16>::new(&bearing, x, facing);
+    let sleeve = row(0.1, Facing::MinusX).with(Preload::Spring);
+    let rows = [row(0.0, Facing::PlusX), sleeve];
+    let spindle = Spindle::sprung(Arrangement::ByRows, rows, 200.0).unwrap();
+    let mut random = Random::seeded(4);
+    for settings in [
+        Settings {
+            max_iterations: 4,
+            ..Settings::DEFAULT
+        },
+        Settings::TICK,
+    ] {
+        let (mut solver, mut answers, mut wrong) = (SpindleSolver::new(), 0, 0);
+        for _ in 0..4000 {
+            let load = [
+                [0.0, 300.0],
+                [100.0, 250.0],
+                [0.0, 250.0],
+                [0.0, 1.0],
+                [0.0, 1.0],
+            ];
+            let load = load.map(|[middle, most]| middle + random.between(-most, most));
+            let speed = Speed::rpm(random.between(18_000.0, 22_000.0));
+            let Ok(found) = solver.solve(&spindle, load, speed, &settings) else {
+                continue;
+            };
+            let found = figures(&found);
+            if settings == Settings::TICK {
+                assert!(found.3[2] <= 5e-3, "{:e}", found.3[2]);
+            }
+            let mut judge = SpindleSolver::new();
+            let truth = judge.solve(&spindle, load, speed, &Settings::default());
+            let errors = errors(&found, &figures(&truth.unwrap()));
+            answers += 1;
+            let holds = errors
+                .iter()
+                .zip(found.3)
+                .all(|(e, stated)| *e <= 3.0 * stated);
+            wrong += usize::from(!holds);
+        }
+        assert!(
+            answers > 50 && 100 * wrong <= answers,
+            "{wrong} of {answers}"
+        );
+    }
+}
