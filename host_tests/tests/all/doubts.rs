@@ -400,7 +400,7 @@ fn real(row: &csv::StringRecord, layout: &Layout, variant: usize) -> String {
         if variant.is_multiple_of(2) {
             text += "ball = { youngs_modulus_gpa = 310, poissons_ratio = 0.26, density_kg_m3 = 3200 }\n";
         }
-        if variant % 3 > 0 {
+        if !variant.is_multiple_of(3) {
             text += &format!(
                 "support = {{ axial_n_per_um = {stiffness}, radial_n_per_um = {} }}\n",
                 0.6 * stiffness

@@ -341,8 +341,7 @@ fn results_are_read_as_they_were_written() {
     fn again<T: Serialize + DeserializeOwned + Debug + PartialEq>(written: &T) {
         let is_read = |read: T| {
             assert_eq!(format!("{read:?}"), format!("{written:?}"));
-            // But for numbers that are none.
-            #[expect(clippy::eq_op, reason = "NaN is not equal to itself")]
+            // But for numbers that are none: NaN is not equal to itself.
             let is_itself = written == written;
             assert_eq!(read == *written, is_itself, "{written:?}");
         };
