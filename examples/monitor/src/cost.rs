@@ -19,7 +19,7 @@ impl CycleCost {
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
-        tick: 5_800,
+        tick: 6_000,
         ball_row: 2_290,
         step: 4_000,
         ball_step: 330,
