@@ -329,9 +329,10 @@ impl<T: Real, const D: usize> State<T, D> {
             estimate.second / estimate.largest,
         );
         // Steps to come shrink by the relative change of a ball's stiffness at most, as a geometric series does: a state is known
-        // where half of that change leaves less than the stiffness itself.
-        let is_known =
-            self.stale && left.at_least(scale * second) < one - T::of(0.5) * estimate.relative;
+        // where that change is below 1, and half of it leaves less than the stiffness itself.
+        let is_known = self.stale
+            && estimate.relative < one
+            && left.at_least(scale * second) < one - T::of(0.5) * estimate.relative;
         // The whole of it is stated, more where the load was unbalanced by much of its size.
         let (ahead, least) = if is_known {
             let ahead = (one + T::of(0.5) * residual) / (one - estimate.relative);
