@@ -28,7 +28,7 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// Note of an overrun of the stack, which outlasts a reset. After the power was off, it is anything.
+/// Note of an overrun of the stack. A reset leaves it as it is; after the power was off, it has any value.
 #[unsafe(link_section = ".uninit.overrun")]
 static mut OVERRUN: MaybeUninit<[u32; 2]> = MaybeUninit::uninit();
 /// The note: unlikely words, the second one the first one's complement.

@@ -1,8 +1,8 @@
 //! Two serial ports, as on the other board. USART3 is the monitor's: received bytes into a ring by
 //! interrupt, sent bytes one at a time. USART2 sends the log.
 //!
-//! The handler is in the first bank of the flash, which the core reads on while the second one, with the kept data, is
-//! written or erased. So nothing keeps it from a byte, and no DMA has to be agreed upon with the data cache.
+//! The handler is in the first bank of the flash. The core goes on reading there while the second bank, with the kept data, is
+//! written or erased. So the handler meets every byte, and no DMA shares memory with the data cache.
 
 #![allow(unsafe_code, reason = "registers shared with an interrupt handler")]
 

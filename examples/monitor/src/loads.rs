@@ -90,9 +90,9 @@ pub struct FrameCounts {
 
 /// Longest that a record may take over the fastest one, ms: an estimate of that age is no longer fresh.
 const LATE_MS: u32 = 20;
-/// Time for which records that are ahead of all before must agree, ms, and for which those of a sender without a clock must all be
-/// behind; and records that make the fastest one credible.
+/// Time for which records that are ahead of all before must agree, ms. Without a clock, records must all be behind for as long.
 const AGREE_MS: u32 = 50;
+/// Records that make the fastest one credible.
 const AGREED: u8 = 3;
 /// Time in which two clocks part by a millisecond at most, ms: 200 millionths, four times what a crystal has.
 const DRIFT_MS: u32 = 5000;

@@ -637,7 +637,7 @@ impl DesignFile {
         }
     }
 
-    /// What the file says of a quantity.
+    /// A quantity of the file: its key, value and place.
     fn said(&self, quantity: Quantity) -> Option<&Said> {
         self.said.iter().find(|one| one.quantity == quantity)
     }

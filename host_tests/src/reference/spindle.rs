@@ -438,7 +438,7 @@ impl Solver {
         })
     }
 
-    /// What is unbalanced, less the forces that the balls' own steps take off the rings.
+    /// Residual, less the forces that the balls' own steps take off the rings.
     fn condensed(
         &self,
         balls: &[Vec<LinearBall>],

@@ -281,7 +281,7 @@ fn writing_the_log_loses_no_byte_of_the_ring_and_each_record_is_in_time() {
     }
 }
 
-/// What the ring is for: an interrupt handler in the flash fetches a byte only once the core goes on.
+/// Loss without the ring: an interrupt handler in the flash fetches a byte only once the core goes on.
 #[test]
 fn a_port_of_one_byte_loses_some_while_a_word_is_written() {
     for (is_back_to_back, stall_us) in [(false, 16), (false, 100), (true, 16), (true, 100)] {

@@ -2,7 +2,7 @@
 //!
 //! `.debug_frame` does not have them: on this target it counts from the frame pointer, and leaves out what lies below.
 
-/// What a function takes of the stack.
+/// Bytes of stack that a function takes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Frame {
     /// Bytes that it moves the stack pointer down by. It does so once, in front.
