@@ -159,7 +159,7 @@ pub struct ProbeSettings {
     pub accuracy: f32,
 }
 
-/// Settings of measured over computed displacement ([`response`](crate::response)) at `P` probes.
+/// Settings of measured over computed displacement ([`crate::response`]) at `P` probes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResponseSettings<const P: usize> {

@@ -70,8 +70,9 @@ mod measured {
     unsafe extern "C" fn measured_prepare() -> u32 {
         // SAFETY: one thread, and no reference to it is left from before.
         let chain = unsafe {
-            let monitor = chain::make(&mut *(&raw mut MADE), &Past::default(), &MONITOR);
-            (*(&raw mut CHAIN)).write(Chain::new(monitor))
+            let (made, built) = (&raw mut MADE, &raw mut CHAIN);
+            let monitor = chain::make(&mut *made, &Past::default(), &MONITOR);
+            (*built).write(Chain::new(monitor))
         };
         u32::from(chain.prepare().is_ok())
     }
@@ -86,8 +87,9 @@ mod measured {
         // SAFETY: the chain was built, nobody else looks at any of this meanwhile, and every bit pattern
         // is one of theirs.
         let (chain, input, output, tick, time_us) = unsafe {
+            let built = &raw mut CHAIN;
             (
-                (*(&raw mut CHAIN)).assume_init_mut(),
+                (*built).assume_init_mut(),
                 &*(&raw const MEASURED_INPUT).cast::<[u8; INPUT]>(),
                 &mut *(&raw mut MEASURED_OUTPUT).cast::<[u8; OUTPUT]>(),
                 &mut *(&raw mut MEASURED_TICK).cast::<[u32; 5]>(),
