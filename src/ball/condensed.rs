@@ -44,8 +44,6 @@ pub struct Change<T> {
     pub cos: T,
     /// Unbalanced force on a ball without inner contact after the step, of second order.
     pub off: T,
-    /// Force of second order that the step adds to the contacts of a ball, if asked for.
-    pub second: T,
 }
 
 /// A ball on which `contact` alone acts.
@@ -84,7 +82,6 @@ pub fn grazing<T: Real>(v: T, delta: T, k: T, rounding: T) -> Change<T> {
         relative: if touches { T::ZERO } else { relative },
         cos: T::ONE,
         off: T::ZERO,
-        second: T::ZERO,
         h: [slope, T::ZERO, slope],
     }
 }

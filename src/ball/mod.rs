@@ -259,15 +259,9 @@ impl<T: Real> Ball<T> {
         [self.local.sd, self.local.cd]
     }
 
-    /// How the contacts change if the groove's centre moves by `da` and the ball follows; `with_second` with forces of second order.
+    /// How the contacts change if the groove's centre moves by `da` and the ball follows.
     #[inline(always)]
-    pub fn change<R: Rule>(
-        &self,
-        c: &Constants<T>,
-        p: &Point<T>,
-        da: Pair<T>,
-        with_second: bool,
-    ) -> Change<T> {
+    pub fn change<R: Rule>(&self, c: &Constants<T>, p: &Point<T>, da: Pair<T>) -> Change<T> {
         let l = &self.local;
         let turned = turn(self.n, da);
         if !R::INERTIA {
@@ -297,20 +291,12 @@ impl<T: Real> Ball<T> {
         let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
         let depth = (inner.abs() + outer.abs()).at_most(T::ONE + T::ONE);
         let (depth, turn) = (T::of(0.5) * depth, turn_i.abs() + turn_o.abs());
-        // The contacts sink in by the turn of their normals, and their forces grow with the power 3/2.
-        let second = if with_second {
-            let turned = v[1] * turn_i * l.hn + across * turn_o * l.ho;
-            T::of(0.5) * turned + depth * depth * l.hn * l.delta
-        } else {
-            T::ZERO
-        };
         Change {
             depth,
             turn,
             relative: depth + (turn + turn),
             cos: l.cd,
             off: T::ZERO,
-            second,
             h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
     }
@@ -331,9 +317,31 @@ impl<T: Real> Ball<T> {
             relative: depth + (turn + turn),
             cos: T::ONE,
             off: T::ZERO,
-            second: (T::of(0.5) * turn * v[1].abs() + depth * depth * l.delta) * l.hn,
             h: [h[0][0].abs(), h[0][1].abs(), h[1][1].abs()],
         }
+    }
+
+    /// Force of second order if the groove's centre moves by `da` and the ball follows: the contacts sink in by the turn of their
+    /// normals, and their forces grow with the power 3/2. None of a ball off the inner race.
+    #[inline(always)]
+    pub fn second_order<R: Rule>(&self, p: &Point<T>, da: Pair<T>) -> T {
+        let l = &self.local;
+        if !(l.delta > p.rounding) {
+            return T::ZERO;
+        }
+        let half = T::of(0.5);
+        let v = turn(self.n, da);
+        if !R::INERTIA {
+            let depth = half * v[0] * l.per_di;
+            return (half * v[1] * v[1] * l.per_ri + depth * depth * l.delta) * l.hn;
+        }
+        let dx = add(self.z, times(&self.d, da));
+        let v = sub(v, dx);
+        let [across, along] = turn([l.sd, l.cd], dx);
+        let depth = half * ((v[0] * l.per_di).abs() + (along * l.per_do).abs());
+        let (turn_i, turn_o) = (v[1] * l.per_ri, across * l.per_ro);
+        let sunk = v[1] * turn_i * l.hn + across * turn_o * l.ho;
+        half * sunk + depth * depth * l.hn * l.delta
     }
 
     /// Linearises the ball where it is, and condenses it.

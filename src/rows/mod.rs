@@ -252,9 +252,9 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
 
     /// Changes of the stiffness's diagonal along a step `du`, and the rest of their estimate; its force is the largest error.
     #[inline(never)]
-    pub fn changes<A: Rule>(&self, du: &[T; D], with_second: bool) -> ([T; D], Estimate<T>) {
+    pub fn changes<A: Rule>(&self, du: &[T; D]) -> ([T; D], Estimate<T>) {
         if !SET {
-            let (k, estimate) = self.rows[0].changes::<A>(&in_full(du), with_second);
+            let (k, estimate) = self.rows[0].changes::<A>(&in_full(du));
             return (vector(|i| k[i]), estimate);
         }
         let (mut k, mut all) = ([T::ZERO; D], Estimate::<T>::NONE);
@@ -267,7 +267,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
                 Some(deflection) => mount.of_centre(&deflection.moved),
                 None => mount.motion::<D, SET>(du),
             };
-            let (own, estimate) = row.changes::<A>(&step, with_second);
+            let (own, estimate) = row.changes::<A>(&step);
             let unit = mount.force * mount.length;
             // From the row's groove plane to the shaft's, or to the row's centre.
             let lever = match deflection {
@@ -286,7 +286,6 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             }
             all.relative = all.relative.at_least(estimate.relative);
             all.force = all.force.at_least(mount.force * estimate.force);
-            all.second = all.second.at_least(mount.force * estimate.second);
             all.largest = all.largest.at_least(mount.force * estimate.largest);
             all.cos = all.cos.at_most(estimate.cos);
         }
@@ -294,6 +293,22 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             k = elastic::diagonal(&self.layout.joints, self.deflections, &of_rows);
         }
         (k, all)
+    }
+
+    /// Largest force of second order on a ball along a step `du`: see [`Row::second_order`].
+    #[cold]
+    #[inline(never)]
+    pub fn second_order<A: Rule>(&self, du: &[T; D]) -> T {
+        let (mut largest, mut deflections) = (T::ZERO, self.deflections.iter());
+        for row in self.rows.iter() {
+            let step = match deflections.next() {
+                _ if !SET => in_full(du),
+                Some(deflection) => row.mount.of_centre(&deflection.moved),
+                None => row.mount.motion::<D, SET>(du),
+            };
+            largest = largest.at_least(row.mount.force * row.second_order::<A>(&step));
+        }
+        largest
     }
 
     /// Deflects shaft and supports by the step `du` of the section at the shaft's centre, and a relative change `ds` of `omega^2`.

@@ -364,15 +364,14 @@ impl<T: Real> Row<'_, T> {
 
     /// Changes of the stiffness's diagonal if the ring makes the step `du`, and the balls follow.
     ///
-    /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals. The estimate has
-    /// the `second` force if asked for.
+    /// Every ball's part changes with the relative change of its deformations, and with the turn of its normals.
     #[inline(never)]
-    pub fn changes<R: Rule>(&self, du: &[T; 5], with_second: bool) -> ([T; 5], Estimate<T>) {
+    pub fn changes<R: Rule>(&self, du: &[T; 5]) -> ([T; 5], Estimate<T>) {
         let (mut sums, mut all) = ([T::ZERO; 5], Estimate::<T>::NONE);
         let mut azimuths = self.azimuths.iter();
         for ball in self.balls.iter() {
             let Some(at) = azimuths.next() else { break };
-            let change = ball.change::<R>(self.c, self.p, shift(du, at), with_second);
+            let change = ball.change::<R>(self.c, self.p, shift(du, at));
             let turn = change.turn + change.turn;
             let (cc, ss) = (at.cos * at.cos, at.sin * at.sin);
             all.relative = all.relative.at_least(change.relative);
@@ -382,9 +381,6 @@ impl<T: Real> Row<'_, T> {
             all.largest = all.largest.at_least(force);
             let second_order = change.relative * change.relative * force;
             all.force = all.force.at_least(second_order + change.off);
-            if with_second {
-                all.second = all.second.at_least(change.second);
-            }
             let mixed = turn * change.h[1];
             let (axial, radial) = (change.depth * change.h[0], change.depth * change.h[2]);
             let (axial, radial) = (axial + mixed, radial + mixed);
@@ -396,8 +392,18 @@ impl<T: Real> Row<'_, T> {
             sums[4] += zz;
         }
         sums[0] = sums[3] + sums[4];
-        all.second = all.second.at_least(all.force);
         (sums, all)
+    }
+
+    /// Largest force of second order on a ball if the ring makes the step `du`: see [`Ball::second_order`].
+    #[cold]
+    pub fn second_order<R: Rule>(&self, du: &[T; 5]) -> T {
+        let (mut largest, mut azimuths) = (T::ZERO, self.azimuths.iter());
+        for ball in self.balls.iter() {
+            let Some(at) = azimuths.next() else { break };
+            largest = largest.at_least(ball.second_order::<R>(self.p, shift(du, at)));
+        }
+        largest
     }
 }
 
@@ -410,9 +416,6 @@ pub struct Estimate<T> {
     pub relative: T,
     /// Error of the balls' forces, of second order, relative to the largest.
     pub force: T,
-    /// Largest force of second order on a ball, by the forces of its contacts before the step and by the turn of their normals: what
-    /// an unfinished solve leaves. Not relative.
-    pub second: T,
     /// The largest force of a ball on the ring.
     pub largest: T,
     /// Least cosine of the angle between the contacts of a ball.
@@ -425,7 +428,6 @@ impl<T: Real> Estimate<T> {
         k: T::ZERO,
         relative: T::ZERO,
         force: T::ZERO,
-        second: T::ZERO,
         largest: T::TINY,
         cos: T::ONE,
     };

@@ -304,6 +304,11 @@ impl<T: Real, const D: usize> State<T, D> {
             let work = if led { T::ZERO } else { work };
             self.attempt.control.last = Step { du, work, damped };
             if time.is_up {
+                if self.stale {
+                    let estimate = &mut self.attempt.report.estimate;
+                    let second = rows.second_order::<A>(&planar) / estimate.largest;
+                    estimate.force = estimate.force.at_least(second);
+                }
                 break;
             }
         }
@@ -316,14 +321,14 @@ impl<T: Real, const D: usize> State<T, D> {
 
     /// Estimates how far the step `planar` of the groove plane changes the stiffness. With `may_correct`, the stiffness is stale
     /// where its correction along the step makes it better.
-    #[inline(always)]
+    #[inline(never)]
     fn estimate_change<A: Rule, const R: usize, const SET: bool, const E: usize>(
         &mut self,
         rows: &Rows<'_, T, R, SET, E, D>,
         planar: &[T; D],
         may_correct: bool,
     ) {
-        let (changes, mut estimate) = rows.changes::<A>(planar, may_correct);
+        let (changes, mut estimate) = rows.changes::<A>(planar);
         // The largest quotient, with one division.
         let (mut change, mut element) = (T::ZERO, T::ONE);
         for i in 0..D {

@@ -155,7 +155,6 @@ impl<T: Real, const D: usize> Attempt<T, D> {
                 k: T::ZERO,
                 relative: T::ZERO,
                 force: T::ZERO,
-                second: T::ZERO,
                 largest: T::ZERO,
                 cos: T::ZERO,
             },
@@ -232,7 +231,6 @@ impl<T: Real> StepReport<T> {
             k: T::ONE,
             relative: T::ONE,
             force: T::ONE,
-            second: T::ONE,
             largest: T::ONE,
             cos: T::ONE,
         },
@@ -324,15 +322,12 @@ impl<T: Real, const D: usize> State<T, D> {
         } = self.attempt.report;
         // Errors include the sleeve; scale them to the shaft's stiffness.
         let scale = if D == 6 { self.without_sleeve() } else { one };
-        let (left, second) = (
-            scale * estimate.corrected(),
-            estimate.second / estimate.largest,
-        );
+        let left = scale * estimate.corrected();
         // Steps to come shrink by the relative change of a ball's stiffness at most, as a geometric series does: a state is known
         // where that change is below 1, and half of it leaves less than the stiffness itself.
         let is_known = self.stale
             && estimate.relative < one
-            && left.at_least(scale * second) < one - T::of(0.5) * estimate.relative;
+            && left.at_least(scale * estimate.force) < one - T::of(0.5) * estimate.relative;
         // The whole of it is stated, more where the load was unbalanced by much of its size.
         let (ahead, least) = if is_known {
             let ahead = (one + T::of(0.5) * residual) / (one - estimate.relative);
@@ -342,11 +337,11 @@ impl<T: Real, const D: usize> State<T, D> {
         };
         let stiffness = if is_known {
             // Below 1, from which on nothing is known.
-            (ahead * left.at_least(scale * second)).at_most(T::of(0.99))
+            (ahead * left.at_least(scale * estimate.force)).at_most(T::of(0.99))
         } else {
             least
         };
-        let force = margin * ahead * second;
+        let force = margin * ahead * estimate.force;
         // Errors of two balls add up; far off, of all balls.
         let forces = if is_known {
             estimate.largest + estimate.largest

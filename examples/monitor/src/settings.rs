@@ -271,8 +271,9 @@ const fn silence(raise: f32, clear: f32) -> Threshold {
     }
 }
 
-/// Largest plausible forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) of a spindle whose rows have this sum of basic dynamic load
-/// ratings `C` (N) and this mean pitch diameter `dm` (m).
+/// Largest plausible forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) of a spindle.
+///
+/// `ratings` is the sum of its rows' basic dynamic load ratings `C` (N), `pitch_diameter` their mean `dm` (m).
 ///
 /// Forces are 6 % of the sum: `L10` of 4,600 million revolutions under such a load, shared by the rows. Moments are that force on
 /// an arm of `1.4 dm`, a cutter in front of the nose.

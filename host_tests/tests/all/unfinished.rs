@@ -246,6 +246,18 @@ fn no_estimate_of_a_pair_that_cuts_is_older_than_4_ms() {
     assert!(ages.iter().all(|age| *age <= 4), "{ages:?}");
 }
 
+/// Loads of a cut that jumps at every call, N and N m.
+fn jumping(random: &mut Random) -> [f64; 5] {
+    let around = [
+        [0.0, 300.0],
+        [100.0, 250.0],
+        [0.0, 250.0],
+        [0.0, 1.0],
+        [0.0, 1.0],
+    ];
+    around.map(|[middle, most]| middle + random.between(-most, most))
+}
+
 /// Loads that change at every call, with fewer iterations than it takes to follow them.
 #[test]
 fn no_load_that_changes_is_called_one_without_an_equilibrium() {
@@ -260,14 +272,7 @@ fn no_load_that_changes_is_called_one_without_an_equilibrium() {
         };
         let mut random = Random::seeded(u64::from(max_iterations));
         for call in 0..4000 {
-            let load = [
-                [0.0, 300.0],
-                [100.0, 250.0],
-                [0.0, 250.0],
-                [0.0, 1.0],
-                [0.0, 1.0],
-            ];
-            let load = load.map(|[middle, most]| T::of(middle + random.between(-most, most)));
+            let load = jumping(&mut random).map(T::of);
             let speed = Speed::rpm(T::of(random.between(18_000.0, 22_000.0)));
             let ended = solver.solve(&pair, load, speed, &settings).map(|_| ());
             let goes_on = matches!(ended, Ok(()) | Err(Status::IterationLimit));
@@ -662,14 +667,7 @@ fn answers_under_loads_that_jump_state_errors_that_hold_and_no_more_than_promise
     ] {
         let (mut solver, mut answers, mut wrong) = (SpindleSolver::new(), 0, 0);
         for _ in 0..4000 {
-            let load = [
-                [0.0, 300.0],
-                [100.0, 250.0],
-                [0.0, 250.0],
-                [0.0, 1.0],
-                [0.0, 1.0],
-            ];
-            let load = load.map(|[middle, most]| middle + random.between(-most, most));
+            let load = jumping(&mut random);
             let speed = Speed::rpm(random.between(18_000.0, 22_000.0));
             let Ok(found) = solver.solve(&spindle, load, speed, &settings) else {
                 continue;

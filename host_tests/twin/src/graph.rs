@@ -27,7 +27,7 @@ struct Symbol {
     calls: BTreeSet<u64>,
     /// Those of functions that it hands on.
     pointers: BTreeSet<u64>,
-    /// What it takes of the stack, if it is code.
+    /// Bytes of stack of one that is code.
     frame: Option<Frame>,
 }
 
