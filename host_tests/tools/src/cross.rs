@@ -65,8 +65,8 @@ impl Build<'_> {
                 .args(["-p", "spindle_firmware", "--features", "f405"])
                 .args(["--target", TARGET]),
             Origin::H743 => command
-                .args(["--manifest-path", "examples/firmware_h743/Cargo.toml"])
-                .args(["--config", "examples/firmware_h743/.cargo/config.toml"]),
+                .args(["--manifest-path", "examples/firmware/h743/Cargo.toml"])
+                .args(["--config", "examples/firmware/h743/.cargo/config.toml"]),
             Origin::Probes => command.args(["-p", "probes", "--target", TARGET]),
             Origin::Bare => command
                 .args(["-p", "probes", "--no-default-features"])

@@ -3,7 +3,7 @@
 #![no_std]
 #![no_main]
 
-#[path = "../../../../examples/firmware/board/mod.rs"]
+#[path = "../../../../examples/firmware/f405/board/mod.rs"]
 mod board;
 
 use spindle_firmware::spindle::{ROWS, monitor_settings};

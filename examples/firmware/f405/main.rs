@@ -9,7 +9,7 @@
 //!   side asks for.
 //!
 //! `cargo emulate` runs it without a board, `cargo flash-f405` brings it onto one with an 8 MHz crystal.
-//! `firmware_h743` has the same for another board.
+//! `../h743` has the same for another board.
 
 #![no_std]
 #![no_main]
