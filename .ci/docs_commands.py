@@ -10,7 +10,7 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).parent.parent
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "host_tests").glob("*/README.md")), ROOT / "host_tests/README.md"]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), *sorted((ROOT / "examples").glob("**/README.md")), *sorted((ROOT / "host_tests").glob("**/README.md"))]
 # The package is added to a program of its own in the step "package".
 ELSEWHERE = {"cargo add spindle-bearing", "cargo test"}
 

@@ -3,11 +3,11 @@
 //! `SPINDLE` in the environment names the file, from the root of the checkout on. Without it, `spindle.toml` beside this
 //! script counts. Errors are those of `cargo replay`, with line and column.
 
-use files::monitors::MonitorFile;
-use files::plan::{BuildError, MOST_BALLS, Plan, Row};
-use files::spindles::SpindleFile;
-use mounting::{Visitor, board};
 use spindle_bearing::{Design, Preload, Spindle, Support};
+use spindle_file::monitors::MonitorFile;
+use spindle_file::mounting::{Visitor, board};
+use spindle_file::plan::{BuildError, MOST_BALLS, Plan, Row};
+use spindle_file::spindles::SpindleFile;
 use spindle_monitor::ProbeSettings;
 use spindle_monitor::tick::Core;
 use std::fmt::Write;
@@ -61,7 +61,7 @@ fn constants(file: &SpindleFile, plan: &Plan) -> Result<String> {
         file,
         text: &mut text,
     };
-    mounting::visit(plan, settings)?;
+    spindle_file::mounting::visit(plan, settings)?;
     Ok(text)
 }
 
@@ -271,7 +271,7 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
             .collect::<Vec<_>>()
     });
     let mut faults = String::new();
-    for (fault, changes) in mounting::faults::changes(file)? {
+    for (fault, changes) in spindle_file::mounting::faults::changes(file)? {
         write!(faults, "(Fault::{fault:?}, {}), ", numbers(changes))?;
     }
     Ok(writeln!(

@@ -17,5 +17,5 @@ fn main() -> ! {
     let Some(board) = board::start() else {
         unreachable!("main runs once, and takes the peripherals once");
     };
-    probes::on_board::run(board)
+    lab::on_board::run(board)
 }

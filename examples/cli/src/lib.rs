@@ -1,0 +1,55 @@
+//! What the programs share: recordings, replays, telemetry on the host, tables and pictures.
+//!
+//! | modules | do |
+//! | --- | --- |
+//! | [`recordings`], [`import`], [`propose`] | recorded loads, in the project's columns or in those of other programs |
+//! | [`milling_cycle`], [`warm_up`], [`random`] | synthetic recordings |
+//! | [`replay`], [`lifetime`] | recorded loads through the solver |
+//! | [`telemetry`] | the monitor's telemetry: decoded, simulated, viewed |
+//! | [`stream`] | recordings as a board receives them, with and without faults |
+
+#[cfg(feature = "programs")]
+pub mod arguments;
+#[cfg(feature = "full")]
+pub mod chart;
+#[cfg(feature = "programs")]
+pub mod cross;
+#[cfg(feature = "full")]
+pub mod drawing;
+#[cfg(feature = "board")]
+pub mod emulator;
+pub mod fault;
+pub mod import;
+pub mod lifetime;
+mod lines;
+pub mod milling_cycle;
+#[cfg(feature = "programs")]
+pub mod output;
+pub mod propose;
+pub mod quantities;
+pub mod random;
+pub mod recordings;
+pub mod replay;
+pub mod stream;
+pub mod telemetry;
+pub mod times;
+pub mod units;
+pub mod warm_up;
+
+use std::path::Path;
+#[cfg(feature = "programs")]
+use std::process::Command;
+
+/// The project's root.
+pub fn root() -> &'static Path {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().nth(2).unwrap_or(here)
+}
+
+/// The commit that is checked out, in short.
+#[cfg(feature = "programs")]
+pub fn commit() -> String {
+    let mut git = Command::new("git");
+    let git = git.args(["rev-parse", "--short", "HEAD"]);
+    cross::output(git.current_dir(root())).unwrap_or_else(|| "unknown".to_owned())
+}

@@ -1,0 +1,86 @@
+//! Kept inputs of the fuzz targets, without a fuzzer. One is small, and is there for an end, a motion, a number of rows, a
+//! mark, an answer or an alarm that no other one has.
+
+use judge::laws::{Ends, log, port, solves, spindles};
+use spindle_monitor::retained::Recovery;
+use std::fs;
+use std::path::Path;
+
+/// Replays the kept inputs of a target; all the ways in which their solves ended.
+fn replayed(target: &str, replay: impl Fn(&[u8]) -> Ends) -> Ends {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+    let mut ends = Ends::new();
+    for input in fs::read_dir(corpus.join(target)).unwrap() {
+        let path = input.unwrap().path();
+        // The last one printed is the one that fails.
+        println!("{}", path.display());
+        ends.extend(replay(&fs::read(path).unwrap()));
+    }
+    ends
+}
+
+/// Ends of a solve, in the order of their names.
+const ENDS: [&str; 9] = [
+    "converged",
+    "diverged",
+    "indeterminate",
+    "iteration-limit",
+    "not-finite",
+    "out-of-range",
+    "precision-limit",
+    "unloaded",
+    "unseated",
+];
+
+#[test]
+fn kept_runs_of_a_bearing_break_no_law_and_end_in_every_way() {
+    let ends = replayed("solves", solves::replay);
+    assert_eq!(ends, ENDS.into_iter().chain(["design"]).collect());
+}
+
+#[test]
+fn kept_runs_of_a_spindle_break_no_law_and_end_in_every_way() {
+    let ends = replayed("spindles", spindles::replay);
+    assert_eq!(ends, ENDS.into_iter().chain(["design", "rows"]).collect());
+}
+
+#[test]
+fn kept_bytes_at_the_port_break_no_law_and_raise_marks_and_alarms() {
+    let ends = replayed("port", port::replay);
+    let expected = [
+        "availability",
+        "corrupt",
+        "deadline",
+        "done",
+        "estimate",
+        "late",
+        "missing",
+        "no-estimate",
+        "no-such-occurrence",
+        "not-at-standstill",
+        "not-finite",
+        "not-in-service",
+        "order",
+        "overload",
+        "peak-pressure",
+        "preload-loss",
+        "range",
+        "rate",
+        "sensor",
+        "speed-missing",
+        "speed-range",
+        "speed-rate",
+        "stuck",
+        "temperature",
+        "unloaded-balls",
+    ];
+    assert_eq!(ends, expected.into());
+}
+
+#[test]
+fn kept_images_of_the_log_break_no_law_and_are_recovered_in_every_way() {
+    let ends = replayed("log", log::replay);
+    let [_, recoveries @ ..] = Recovery::ALL;
+    let recoveries = recoveries.into_iter().map(Recovery::name);
+    assert_eq!(ends, recoveries.chain(["last-number"]).collect());
+}

@@ -1,0 +1,163 @@
+//! Pages that are written by hand: their figures are those that were measured, and the tests that they name are there.
+
+use judge::cases::B7005C;
+use spindle_bearing::{
+    Arrangement, Bearing, Facing, Material, Mounted, Preload, Settings, Shaft, Speed, Spindle,
+    SpindleSolver, Support,
+};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+const GUIDE: &str = include_str!("../../../../docs/guide.md");
+const FRONT: &str = include_str!("../../../../docs/crate.md");
+const SAFETY: &str = include_str!("../../../../docs/safety.md");
+const RTIC: &str = include_str!("../../../../examples/rtic/main.rs");
+const FIGURES: &str = include_str!("../../../../docs/report_figures.json");
+
+/// Cells of the row of a page's table that begins with this one.
+fn row<'p>(page: &'p str, first: &str) -> Vec<&'p str> {
+    let start = format!("| {first} | ");
+    let line = page.lines().find_map(|line| line.strip_prefix(&start));
+    line.unwrap_or_else(|| panic!("no row {first}"))
+        .trim_end_matches(" |")
+        .split(" | ")
+        .collect()
+}
+
+/// Figures of the row that begins with this cell.
+fn figures(page: &str, first: &str) -> Vec<f64> {
+    let figure = |cell: &str| cell.replace(',', "").parse().unwrap();
+    row(page, first).into_iter().map(figure).collect()
+}
+
+/// As exact as `cargo reports --check` holds the figures.
+fn assert_measured(found: &[f64], measured: &[f64], what: &str) {
+    assert_eq!(found.len(), measured.len(), "{what}");
+    for (found, measured) in found.iter().zip(measured) {
+        let error = (found / measured - 1.0).abs();
+        assert!(error < 0.02, "{what}: {found}, measured {measured}");
+    }
+}
+
+#[test]
+fn costs_in_the_docs_of_the_crate_are_those_that_were_measured() {
+    let measured: BTreeMap<String, f64> = serde_json::from_str(FIGURES).unwrap();
+    let of = |scene: &str, what: &str| measured[&format!("Cortex-M4F, f32, {scene}: {what}")];
+    const TICK: &str = "warm tick, cycles, median";
+    for (rows, scene) in [
+        ("one row", "full"),
+        ("two rows", "pair"),
+        ("two rows, one under a spring", "sprung-pair"),
+        ("four rows", "four-rows"),
+        ("two rows on an elastic shaft", "elastic-pair"),
+        ("four rows on an elastic shaft", "elastic-four-rows"),
+    ] {
+        let solves = [TICK, "warm, cycles, median", "cold, cycles, median"];
+        let solves = solves.map(|what| of(scene, what));
+        assert_measured(&figures(GUIDE, rows), &solves, rows);
+    }
+    for (rows, scene) in [
+        ("one", "full"),
+        ("two", "pair"),
+        ("four", "four-rows"),
+        ("two on an elastic shaft and supports", "elastic-pair"),
+        ("four on an elastic shaft and supports", "elastic-four-rows"),
+    ] {
+        let costs = [TICK, "flash", "state", "stack"].map(|what| of(scene, what));
+        assert_measured(&figures(FRONT, rows), &costs, rows);
+    }
+}
+
+/// The tick of the application for RTIC takes its solve and the margins of both rows, and a third more.
+#[test]
+fn the_application_for_rtic_has_the_time_for_its_solve() {
+    let measured: BTreeMap<String, f64> = serde_json::from_str(FIGURES).unwrap();
+    let of =
+        |scene: &str| measured[&format!("Cortex-M4F, f32, {scene}: warm tick, cycles, median")];
+    let (_, reload) = RTIC.split_once("set_reload(").unwrap();
+    let (cycles, _) = reload.split_once(" - 1)").unwrap();
+    let cycles: f64 = cycles.replace('_', "").parse().unwrap();
+    let margins = of("limits") - of("full");
+    let needed = of("pair") + 2.0 * margins;
+    assert!(cycles > 4.0 / 3.0 * needed, "{cycles} for {needed}");
+}
+
+/// Preload of each row, N, at rest and without loads.
+fn preloads<const R: usize, const E: usize>(
+    spindle: &Spindle<'_, f64, R, 15, 5, E>,
+) -> [String; R] {
+    let mut solver = SpindleSolver::<f64, R, 15, _, 5, E>::new();
+    let found = solver.solve(spindle, [0.0; 5], Speed::rpm(0.0), &Settings::default());
+    let found = found.unwrap();
+    let mut rows = found.rows().map(|row| format!("{:.0}", row.preload()));
+    std::array::from_fn(|_| rows.next().unwrap())
+}
+
+#[test]
+fn preload_by_force_is_as_the_guide_says() {
+    let bearing = Bearing::<f64, 15>::new(&B7005C).unwrap();
+    let preload = Preload::Force(300.0);
+    let row_at = |x, facing| Mounted::<f64, 15>::new(&bearing, x, facing).with(preload);
+    let [front, second] = [0.0, 0.02].map(|x| row_at(x, Facing::PlusX));
+    let [rear, last] = [0.12, 0.14].map(|x| row_at(x, Facing::MinusX));
+    let said = |first| row(GUIDE, first)[0];
+    let pair = || Spindle::new(Arrangement::BackToBack, [front, rear]).unwrap();
+
+    assert_eq!(said("a pair"), format!("{} N", preloads(&pair())[0]));
+    // A shaft without sections is rigid.
+    let shaft = Shaft::<f64, 0>::new(&[], &Material::STEEL).unwrap();
+    for (axial, what) in [
+        (5e8, "a pair, each outer ring held axially by 500 N/um"),
+        (1e8, "a pair, each held axially by 100 N/um"),
+    ] {
+        let housing = Support {
+            axial,
+            ..Support::RIGID
+        };
+        let pair = pair().elastic(&shaft, [housing; 2]).unwrap();
+        assert_eq!(said(what), format!("{} N", preloads(&pair)[0]), "{what}");
+    }
+    let three = Spindle::new(Arrangement::BackToBack, [front, second, rear]).unwrap();
+    let three = preloads(&three).join(", ") + " N";
+    assert_eq!(said("two rows in tandem against a third (TBT)"), three);
+    let four = Spindle::new(Arrangement::BackToBack, [front, second, rear, last]).unwrap();
+    let four = preloads(&four);
+    assert_eq!(
+        said("two rows against two (QBC)"),
+        format!("{} N each", four[0])
+    );
+    assert!(four.iter().all(|row| *row == four[0]));
+}
+
+/// Sources in a folder, as one text.
+fn sources(folder: &Path) -> String {
+    let entries = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let text = entries.map(|path| match path.extension() {
+        None if path.is_dir() => sources(&path),
+        Some(extension) if extension == "rs" => fs::read_to_string(path).unwrap(),
+        _ => String::new(),
+    });
+    text.collect()
+}
+
+#[test]
+fn each_test_that_the_page_on_safety_names_is_there() {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = [
+        "tests/all",
+        "../../examples/firmware/twin/src",
+        "../../examples/cli/src",
+        "../../examples/monitor/src",
+    ];
+    let tests = folders.map(|folder| sources(&here.join(folder))).concat();
+    let names = SAFETY.split('`').skip(1).step_by(2);
+    let names = names.filter(|name| name.matches('_').count() > 3);
+    let missing = names
+        .clone()
+        .filter(|name| !tests.contains(&format!("fn {name}()")));
+    assert_eq!(missing.collect::<Vec<_>>(), [""; 0]);
+    assert!(names.count() > 20);
+}

@@ -1,0 +1,316 @@
+//! From a recording to results: formats of files, what is refused and how, and that nothing is lost between the
+//! solver and the table.
+
+use super::solves::ask;
+use cli::fault::LoadsError;
+use cli::import::Wanted;
+use cli::random::Random;
+use cli::recordings::Loads;
+use cli::replay::{Job, Output, Summary, Table, replay};
+use spindle_bearing::{Design, FreeContact, Material};
+use spindle_file::designs::{DesignFile, SHIPPED};
+use spindle_file::dispatch::Precision;
+use spindle_file::loads::LoadRow;
+use spindle_file::plan::BALL_COUNTS;
+use spindle_file::plan::{Plan, Question};
+use spindle_file::solvers::{AnySolver, Balls, Choices, with_solver};
+use spindle_file::spindles::SpindleFile;
+use std::io::Cursor;
+
+const HEADER: &str = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n";
+
+fn shipped(name: &str) -> String {
+    format!("{SHIPPED}/{name}.toml")
+}
+
+fn parsed(csv: &str) -> Result<Vec<LoadRow>, LoadsError> {
+    Loads::from_reader(
+        "loads.csv",
+        Box::new(Cursor::new(csv.as_bytes().to_vec())),
+        None,
+        &Wanted::default(),
+    )?
+    .collect()
+}
+
+fn shown(precision: Precision, x: f64) -> String {
+    let mut text = String::new();
+    precision.write(&mut text, x).unwrap();
+    text
+}
+
+#[test]
+fn a_printed_number_reads_back_exactly_in_its_precision() {
+    let edges = [0.0, -0.0, 5e-324, 2.2250738585072014e-308, 1e-4, 1e16];
+    let mut random = Random::seeded(1);
+    let patterns: Vec<u64> = (0..20_000).map(|_| random.bits()).collect();
+    let wide = patterns.iter().map(|bits| f64::from_bits(*bits));
+    for x in wide.chain(edges).filter(|x| x.is_finite()) {
+        let text = shown(Precision::F64, x);
+        let read = text.parse::<f64>().unwrap();
+        assert!(read.to_bits() == x.to_bits() && text.len() <= 24, "{text}");
+    }
+    let narrow = patterns.iter().map(|bits| f32::from_bits(*bits as u32));
+    for x in narrow.filter(|x| x.is_finite()) {
+        let text = shown(Precision::F32, f64::from(x));
+        let read = text.parse::<f32>().unwrap();
+        assert_eq!(read.to_bits(), x.to_bits(), "{text}");
+        let digits = text.split('e').next().unwrap();
+        let digits = digits.trim_start_matches(['-', '0', '.']);
+        let digits = digits.trim_end_matches('0');
+        assert!(digits.len() <= 10, "more digits than f32 has: {text}");
+    }
+    assert_eq!(shown(Precision::F32, f64::from(0.1_f32)), "0.1");
+}
+
+#[test]
+fn what_can_be_read_of_a_refused_row_is_kept() {
+    let numbers = |row: &str| match parsed(&format!("{HEADER}1,2,3,4,5,6,7\n{row}\n")) {
+        Err(LoadsError::Row(row)) => row.numbers,
+        other => panic!("{other:?}"),
+    };
+    let [a, b] = [Some(1.0), Some(7.0)];
+    assert_eq!(
+        numbers("1,,three,4,5,6,7"),
+        [
+            a,
+            None,
+            None,
+            Some(4.0),
+            Some(5.0),
+            Some(6.0),
+            b,
+            None,
+            None
+        ]
+    );
+    // Which column a number belongs to is not known in a row with a field too many or too few.
+    assert_eq!(numbers("1,5,2,3,4,5,6,7"), [None; 9]);
+    assert_eq!(numbers("1,,3"), [None; 9]);
+}
+
+#[test]
+fn own_recordings_are_read_and_others_refused() {
+    let row = |time_s, load, speed_rpm| LoadRow {
+        time_s,
+        load,
+        speed_rpm,
+        temperatures: None,
+        probes: [None; 4],
+    };
+    let plain = [
+        row(0.5, [-2.0, 3e3, 4.0, 5.0, 6.0], 7.25),
+        row(1.0, [2.0, 3.0, 4.0, 5.0, 6.0], 7.0),
+    ];
+    let header = HEADER.trim_end();
+    for text in [
+        // Columns in any order.
+        "speed_rpm,mz_nm,my_nm,fz_n,fy_n,fx_n,time_s\n7.25,6,5,4,3e3,-2,0.5\n7,6,5,4,3,2,1\n"
+            .to_owned(),
+        // Line ends of Windows, no end of the last line, byte order mark, blank lines, quotes.
+        format!("{header}\r\n0.5,-2,3e3,4,5,6,7.25\r\n1,2,3,4,5,6,7\r\n"),
+        format!("\u{feff}{header}\n0.5,-2,3e3,4,5,6,7.25\n1,2,3,4,5,6,7"),
+        format!("{header}\n\n0.5,-2,3e3,4,5,6,7.25\n \n1,2,3,4,5,6,7\n\n"),
+        format!("{header}\n.5, -2 ,3000.,4,5,6,7.25\n1,2,+3,4,5,6,\"7\"\n"),
+        // Further columns hold anything.
+        format!("Sample,{header},T_oil\n#1,0.5,-2,3e3,4,5,6,7.25,\n#2,1,2,3,4,5,6,7,warm\n"),
+    ] {
+        assert_eq!(parsed(&text).unwrap(), plain, "{text:?}");
+    }
+    // Temperatures are read where they are, asked for or not.
+    let warm = format!("{header},t_inner_c,t_outer_c\n0.5,-2,3e3,4,5,6,7.25,40,35\n");
+    assert_eq!(parsed(&warm).unwrap()[0].temperatures, Some([40.0, 35.0]));
+    // Without times, rows are counted.
+    let states = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2,3,4,5,6,7\n";
+    assert_eq!(parsed(states).unwrap(), [row(0.0, plain[1].load, 7.0)]);
+    for text in [
+        HEADER.replace(',', ";") + "0;1;2;3;4;5;6\n",
+        format!("\n{HEADER}0,1,2,3,4,5,6\n"),
+        format!("# logger\n{HEADER}0,1,2,3,4,5,6\n"),
+        HEADER.to_uppercase() + "0,1,2,3,4,5,6\n",
+        format!("{HEADER}s,N,N,N,Nm,Nm,1/min\n0,1,2,3,4,5,6\n"),
+        format!("{HEADER}\"0,5\",1,2,3,4,5,6\n"),
+        "Timestamp,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2024-01-01 12:00:00,1,2,3,4,5,6\n"
+            .to_owned(),
+        "clock,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n12:00:00,1,2,3,4,5,6\n".to_owned(),
+        "date,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n14-Nov-2025 10:00:00,1,2,3,4,5,6\n".to_owned(),
+        "date,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n11/14/2025,1,2,3,4,5,6\n".to_owned(),
+    ] {
+        let found = parsed(&text);
+        assert!(
+            matches!(found, Err(LoadsError::Foreign { .. })),
+            "{text:?}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn columns_of_others_are_ignored_and_named() {
+    let text = "no,time_s,\"remark; long\",fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,fx_kn,\n\
+                a,1,\"so, so\",2,3,4,5,6,7,,\n";
+    let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
+    let mut loads = Loads::from_reader("loads.csv", input, None, &Wanted::default()).unwrap();
+    let ignored = "\"no\", \"remark; long\", \"fx_kn\"";
+    assert_eq!(loads.ignored_columns().unwrap(), ignored);
+    assert!(!loads.has_temperatures());
+    let plain = parsed(&format!("{HEADER}1,2,3,4,5,6,7\n")).unwrap();
+    assert_eq!(loads.next().unwrap().unwrap(), plain[0]);
+}
+
+#[test]
+fn bytes_that_are_no_text_are_refused_with_line_and_column() {
+    let mut bytes = format!("{HEADER}1,2,3,4,5,6,7\n").into_bytes();
+    bytes.extend(b"1,2,\xFF\xFE,4,5,6,7\n");
+    let mut loads =
+        Loads::from_reader("x", Box::new(Cursor::new(bytes)), None, &Wanted::default()).unwrap();
+    let error = loads.find_map(Result::err).unwrap().to_string();
+    assert!(error.starts_with("x: line 3, column 3 (fy_n): "), "{error}");
+}
+
+/// Summary and results of a replay of a row by the B7005C.
+fn replayed(
+    solver: &mut dyn AnySolver,
+    precision: Precision,
+    choices: Choices,
+    row: LoadRow,
+) -> (Summary, String) {
+    let file = SpindleFile::read(shipped("b7005c")).unwrap();
+    let mut results = Vec::new();
+    let out: Vec<Output<'_>> = vec![(Table::Results, Box::new(&mut results))];
+    let rows = [Ok(row)].into_iter();
+    let job = Job {
+        file: &file,
+        precision,
+        cold: false,
+        at_rest: false,
+        select: Vec::new(),
+        choices,
+        held: [None; 5],
+        holds_pauses: false,
+        lifetime: None,
+    };
+    let summary = replay(job, solver, rows, out).unwrap();
+    let text = String::from_utf8(results).unwrap();
+    (summary, text.lines().nth(1).unwrap().to_owned())
+}
+
+/// Where a solve stopped for want of iterations there is no equilibrium, and no figure of one.
+#[test]
+fn a_solve_that_ran_out_of_iterations_has_no_figures() {
+    let plan = SpindleFile::read(shipped("b7005c")).unwrap().plan;
+    let row = parsed(&format!("{HEADER}0.5,1000,200,0,0,3,20000\n")).unwrap();
+    for precision in [Precision::F32, Precision::F64] {
+        let run = |solver: &mut dyn AnySolver| {
+            let choices = Choices {
+                max_iterations: 1,
+                ..Choices::default()
+            };
+            replayed(solver, precision, choices, row[0])
+        };
+        let balls = Balls::Free;
+        let (summary, line) = with_solver(&plan, balls, precision, run).unwrap();
+        assert_eq!(summary.refused.values().sum::<u64>(), 1, "{summary}");
+        let [time, status, rest] = line.splitn(3, ',').collect::<Vec<_>>()[..] else {
+            panic!("{line}");
+        };
+        assert_eq!(time, "0.5");
+        assert!(!["", "converged", "precision-limit"].contains(&status));
+        let figures = ",".repeat(1 + 5 + 25 + 1);
+        assert_eq!(rest, format!("{}1000,200,0,0,3,20000,,", figures));
+    }
+}
+
+#[test]
+fn every_ball_count_has_a_solver() {
+    let mut design = DesignFile::read(shipped("b7005c")).unwrap().design;
+    design.ball_diameter = 1.5e-3;
+    for balls in BALL_COUNTS {
+        for precision in [Precision::F32, Precision::F64] {
+            let plan = Plan::alone(&design, balls);
+            let question = Question::load([50.0, 10.0, 0.0, 0.0, 0.0], 0.0);
+            let found = ask(&plan, Balls::Free, precision, &question).unwrap();
+            assert_eq!(found.rows[0].balls.len(), balls);
+        }
+    }
+    for balls in [0, 2, 65, usize::MAX] {
+        let plan = Plan::alone(&design, balls);
+        assert!(with_solver(&plan, Balls::Static, Precision::F64, |_| ()).is_err());
+    }
+}
+
+/// A design file without the materials.
+const DESIGN: &str = "\
+    name = \"test\"\n\
+    balls = 16\n\
+    ball_diameter_mm = 6.35\n\
+    pitch_diameter_mm = 36\n\
+    inner_groove_factor = 0.515\n\
+    outer_groove_factor = 0.525\n\
+    contact_angle_deg = 15\n";
+
+#[test]
+fn a_design_file_means_si_units_and_steel_unless_it_says_otherwise() {
+    let file = DesignFile::parse("x", DESIGN).unwrap();
+    assert_eq!((&*file.name, file.balls), ("test", 16));
+    let design = Design {
+        ball_diameter: 0.00635,
+        pitch_diameter: 0.036,
+        inner_groove_factor: 0.515,
+        outer_groove_factor: 0.525,
+        free_contact: FreeContact::Angle(15_f64.to_radians()),
+        inner_shoulder_angle: Design::HIGHEST_SHOULDER,
+        outer_shoulder_angle: Design::HIGHEST_SHOULDER,
+        first_ball: 0.0,
+        ring: Material::STEEL,
+        ball: Material::STEEL,
+    };
+    assert_eq!(file.design, design);
+}
+
+/// Of a bearing by itself; `wrong_files` has those of spindles.
+#[test]
+fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
+    for (from, to, told) in [
+        (
+            "6.35",
+            "60",
+            "4, column 21: `pitch_diameter_mm` is 36, but must lie between 60.6 and 600000",
+        ),
+        (
+            "6.35",
+            "8",
+            "3, column 20: `ball_diameter_mm` is 8, but must lie between 0.1 and 7.02325",
+        ),
+        (
+            "= 15\n",
+            "= 15\n[ball]\npoissons_ratio = 0.7\n",
+            "9, column 18: `ball.poissons_ratio` is 0.7, but must lie between",
+        ),
+        // Load ratings of these have no figure.
+        (
+            "= 0.515",
+            "= 0.5",
+            "5, column 23: `inner_groove_factor` is 0.5, but must lie between 0.501 and 0.7",
+        ),
+        (
+            "= 0.525",
+            "= -0.0",
+            "6, column 23: `outer_groove_factor`: in SI units, outer groove factor fo",
+        ),
+        (
+            "= 36",
+            "= 0",
+            "4, column 21: `pitch_diameter_mm`: in SI units, pitch diameter dm",
+        ),
+        (
+            "= 15\n",
+            "= 1e300\n",
+            "7, column 21: `contact_angle_deg` is 1",
+        ),
+    ] {
+        let refused = DesignFile::parse("b.toml", &DESIGN.replace(from, to));
+        let message = refused.unwrap_err().to_string();
+        let start = format!("b.toml: line {told}");
+        assert!(message.starts_with(&start), "{message}");
+    }
+}

@@ -1,0 +1,336 @@
+//! `cargo check-firmware`: proof on linked programs for a microcontroller. Solver and monitor have no
+//! panic, no double precision, no formatting and no allocation, and the solver no square root in software.
+//!
+//! - `bare_solver` and `bare_monitor` have a panic handler that does not link. They must link, the solver
+//!   in single precision and in double.
+//! - `any_profile` is the same with a bearing and a spindle, under profiles that other firmware has.
+//! - In all of them, and in the firmware as shipped, the solver's calls are followed through the
+//!   relocations. For code that must not be there, the way to it is printed.
+//! - `measured` is built for every scene without a panic handler that links. It must have none of the
+//!   code that the scene leaves out.
+//! - All are first shown a program that has it: a check that finds nothing there is blind.
+
+mod scenes;
+mod unwanted;
+
+use addr2line::Loader;
+use anyhow::{Context, Result, bail};
+use cli::cross::{self, Build, F405};
+use lab::images::{BARE, BARE_FLAGS, H743, IMAGES};
+use scenes::Part;
+use std::error::Error;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use twin::graph::{self, Graph, Reach};
+use unwanted::Unwanted;
+
+/// Keeps the relocations of a linked program.
+const RELOCATIONS: &str = "--emit-relocs";
+/// Function that the panic handlers of the bare programs call, and nobody defines.
+const MISSING: &str = "the_solver_can_panic";
+
+fn main() -> ExitCode {
+    match check() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn check() -> Result<()> {
+    let root = cli::root();
+    cross::add_target(root)?;
+    // The firmware of the H743 has a target folder of its own, so that its builds run beside the others.
+    let (h743, others) = rayon::join(
+        || {
+            let kinds = &Unwanted::IN_DOUBLE;
+            let program = (H743, "spindle_firmware_h743");
+            SPINDLES[..2]
+                .iter()
+                .try_for_each(|spindle| shipped(root, program, spindle, kinds))
+        },
+        || {
+            be_seen_to_fail(root, &SOLVER)?;
+            bare(root, &SOLVER, None, &Unwanted::ALL)?;
+            bare(root, &SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
+            bare(root, &MONITOR, None, &Unwanted::BUT_ROOTS)?;
+            be_seen_to_fail(root, &ANY_PROFILE[0])?;
+            for image in &ANY_PROFILE {
+                bare(root, image, None, &Unwanted::BUT_ROOTS)?;
+            }
+            let kinds = &Unwanted::BUT_ROOTS;
+            let program = (F405, "spindle_firmware");
+            SPINDLES
+                .iter()
+                .try_for_each(|spindle| shipped(root, program, spindle, kinds))?;
+            scenes::check(root)
+        },
+    );
+    h743.and(others)
+}
+
+/// Files of spindles, the shipped one without a name, and the parts that their firmware has of those in [`Part::OF_FILES`].
+const SPINDLES: [(Option<&str>, &[Part]); 4] = [
+    (None, &[Part::Elastic]),
+    (
+        Some("examples/spindle_file/spindles/bridges.toml"),
+        &[Part::Elastic, Part::Bridges],
+    ),
+    (
+        Some("examples/spindle_file/spindles/7014c_back_to_back.toml"),
+        &[],
+    ),
+    (
+        Some("examples/spindle_file/spindles/milling_spindle.toml"),
+        &[Part::Sleeve],
+    ),
+];
+
+/// A program without a panic handler.
+struct Image {
+    package: &'static [&'static str],
+    flags: &'static [&'static str],
+    program: &'static str,
+    /// Settings of its profile, if it is not the project's.
+    profile: &'static [&'static str],
+}
+
+impl Image {
+    const fn new(program: &'static str) -> Self {
+        Self {
+            package: IMAGES,
+            flags: &[],
+            program,
+            profile: &[],
+        }
+    }
+
+    const fn under(profile: &'static [&'static str]) -> Self {
+        Self {
+            package: BARE,
+            flags: BARE_FLAGS,
+            program: "any_profile",
+            profile,
+        }
+    }
+}
+
+const SOLVER: Image = Image::new("bare_solver");
+const MONITOR: Image = Image::new("bare_monitor");
+/// Under cargo's own profile, with less optimisation, and as small programs, the last one as templates of RTIC have it.
+const ANY_PROFILE: [Image; 4] = [
+    Image::under(&["lto=false", "codegen-units=16"]),
+    Image::under(&["opt-level=2", "lto=false", "codegen-units=16"]),
+    Image::under(&["opt-level='s'", "lto=false", "codegen-units=16"]),
+    Image::under(&["opt-level='s'"]),
+];
+
+/// A linked program.
+struct Program {
+    path: PathBuf,
+    graph: Graph,
+}
+
+impl Program {
+    fn build(build: &Build<'_>, root: &Path) -> Result<Self> {
+        let path = build.run(root)?;
+        let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let graph =
+            Graph::read(&elf).with_context(|| format!("cannot make out {}", path.display()))?;
+        Ok(Self { path, graph })
+    }
+
+    fn reach_from_main(&self) -> Reach<'_> {
+        self.graph.reach(|name| name == "main")
+    }
+
+    /// The lines of source behind an address, from the innermost inlined function outwards.
+    fn lines(&self, address: u64) -> Result<String, Box<dyn Error>> {
+        let loader = Loader::new(&self.path)?;
+        let mut frames = loader.find_frames(address)?;
+        let mut lines = String::new();
+        while let Some(frame) = frames.next()? {
+            if let Some(place) = frame.location {
+                let (file, line) = (place.file.unwrap_or("?"), place.line.unwrap_or(0));
+                write!(lines, "\n       at {file}:{line}")?;
+            }
+        }
+        Ok(lines)
+    }
+}
+
+/// Builds a bare program; where `lenient`, with a definition of the function that must not be called.
+fn build_bare(root: &Path, image: &Image, variant: Option<&str>, lenient: bool) -> Result<Program> {
+    let definition = format!("--defsym={MISSING}=0");
+    let link = [RELOCATIONS, &definition];
+    let build = Build {
+        package: image.package,
+        flags: image.flags,
+        program: image.program,
+        profile: image.profile,
+        link: if lenient { &link } else { &link[..1] },
+        environment: &[("BARE_SOLVER", variant)],
+        quiet: true,
+        ..Build::default()
+    };
+    Program::build(&build, root)
+}
+
+/// Builds the image that has one scene alone, and no panic.
+fn build_scene(root: &Path, scene: &str) -> Result<Program> {
+    let build = Build {
+        package: IMAGES,
+        program: "measured",
+        link: &[RELOCATIONS],
+        environment: &[
+            ("MEASURED_PRECISION", Some("f32")),
+            ("MEASURED_SCENE", Some(scene)),
+            ("PROVED", Some("yes")),
+        ],
+        quiet: true,
+        ..Build::default()
+    };
+    Program::build(&build, root).with_context(|| format!("the scene {scene}"))
+}
+
+/// Fails unless a program with a panic, a double and a formatted number in it fails to link, and all are found.
+fn be_seen_to_fail(root: &Path, image: &Image) -> Result<()> {
+    let spoiled = Some("spoiled");
+    match build_bare(root, image, spoiled, false) {
+        Ok(_) => bail!("this check is blind: a program that can panic links"),
+        Err(error) if is_missing(&error) => {}
+        Err(error) => return Err(error.context(format!("{} does not build", image.program))),
+    }
+    let program = build_bare(root, image, spoiled, true)?;
+    for kind in [Unwanted::Panic, Unwanted::Double, Unwanted::Formatting] {
+        if find(&program.reach_from_main(), kind).is_none() {
+            bail!(
+                "this check is blind: it does not see that a program {}",
+                kind.verb()
+            );
+        }
+    }
+    println!("a program with a panic, a double and a formatted number in it: refused");
+    Ok(())
+}
+
+fn is_missing(error: &anyhow::Error) -> bool {
+    error
+        .to_string()
+        .contains(&format!("undefined symbol: {MISSING}"))
+}
+
+/// Checks the solver, or the monitor, by itself.
+fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
+    let name = image.program;
+    let precision = variant.unwrap_or("single");
+    let mut what = format!("{name} in {precision} precision");
+    if !image.profile.is_empty() {
+        what += &format!(" with {}", image.profile.join(", "));
+    }
+    let (program, links) = match build_bare(root, image, variant, false) {
+        Ok(program) => (program, true),
+        Err(error) if is_missing(&error) => (build_bare(root, image, variant, true)?, false),
+        Err(error) => return Err(error.context(format!("{name} does not build"))),
+    };
+    refuse(&what, &program, &program.reach_from_main(), kinds)?;
+    if !links {
+        bail!("{what} can panic: it does not link for want of `{MISSING}`");
+    }
+    Ok(())
+}
+
+/// Checks the monitor's firmware for a board and a spindle.
+fn shipped(
+    folder: &Path,
+    (package, name): (&[&str], &str),
+    &(spindle, parts): &(Option<&str>, &[Part]),
+    kinds: &[Unwanted],
+) -> Result<()> {
+    let build = Build {
+        package,
+        program: name,
+        link: &[RELOCATIONS],
+        environment: &[("SPINDLE", spindle)],
+        ..Build::default()
+    };
+    let program = Program::build(&build, folder)?;
+    if find(&program.reach_from_main(), Unwanted::Panic).is_none() {
+        bail!("this check is blind: it does not see the panics of the firmware's main");
+    }
+    let mut roots = ["recall", "take", "tick", "keep", "check_step"]
+        .map(|function| format!("spindle_firmware::application::{function}"))
+        .to_vec();
+    if parts.contains(&Part::Bridges) {
+        // Functions of the board that a tick calls by pointers, which no relocation follows.
+        let functions = ["spi::exchange", "sensors::drdy", "sensors::reset"];
+        let others = ["sensors::select", "sensors::now"];
+        let all = functions.iter().chain(&others);
+        roots.extend(all.map(|function| format!("{name}::board::{function}")));
+    }
+    let is_root = |name: &str| {
+        let is = |root: &String| {
+            let rest = name.strip_prefix(root.as_str());
+            // A generic one has its parameters behind it.
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with("::<"))
+        };
+        roots.iter().any(is) || is_library(name)
+    };
+    let reach = program.graph.reach(is_root);
+    for root in &roots {
+        if !reach.names().any(|name| name.starts_with(root.as_str())) {
+            bail!("there is no {root} in the firmware to check");
+        }
+    }
+    let root = roots.join(", ");
+    let with = spindle.map_or(String::new(), |spindle| format!(" of {spindle}"));
+    let what = format!("{root} in the firmware{with}");
+    refuse(&what, &program, &reach, kinds)?;
+    scenes::has(&what, folder, &program, &reach, parts)
+}
+
+/// The library's own code, less what prints its types for a log.
+fn is_library(name: &str) -> bool {
+    let path = name.trim_start_matches('<');
+    path.starts_with("spindle_bearing::") && !name.contains("defmt")
+}
+
+fn find<'r>(reach: &'r Reach<'_>, kind: Unwanted) -> Option<graph::Path<'r>> {
+    reach.path(|name| kind.is(name))
+}
+
+/// As [`clean`], of a program that must have functions of the library to look at.
+fn refuse(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
+    if !reach.names().any(is_library) {
+        bail!("this check is blind: there is no solver in {what}");
+    }
+    clean(what, program, reach, kinds)
+}
+
+/// Fails if anything unwanted is reachable, and says by which way.
+fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
+    for kind in kinds {
+        if let Some(path) = find(reach, *kind) {
+            let names = path.names.join("\n    -> ");
+            // The way is worth telling without the lines, too.
+            let lines = path.last.and_then(|at| program.lines(at).ok());
+            bail!(
+                "{what} {}:\n       {names}{}\n{}",
+                kind.verb(),
+                lines.unwrap_or_default(),
+                kind.advice()
+            );
+        }
+    }
+    let verbs: Vec<_> = kinds.iter().map(|kind| kind.verb()).collect();
+    println!(
+        "{what}: {} functions and constants, nothing that {}",
+        reach.names().count(),
+        verbs.join(", ")
+    );
+    Ok(())
+}

@@ -1,0 +1,32 @@
+//! The part of `cargo reports` that needs the emulator: see `cargo reports --help`.
+
+#![allow(
+    clippy::duplicate_mod,
+    reason = "the monitor's chain, once for each precision"
+)]
+
+mod bench;
+mod decode;
+mod gate;
+mod image;
+mod machine;
+mod page;
+mod scenes;
+mod sweep;
+mod table;
+mod ticks;
+mod timing;
+
+use anyhow::{Result, bail};
+
+fn main() -> Result<()> {
+    let root = cli::root();
+    cli::cross::add_target(root)?;
+    let task = std::env::args().nth(1);
+    match task.as_deref() {
+        Some("check") => gate::check(root),
+        Some("accept") => gate::write(root, &gate::measure(root)?),
+        Some("page") => gate::write(root, &page::write(root)?),
+        _ => bail!("`cargo reports` starts this program"),
+    }
+}
