@@ -24,7 +24,7 @@ impl CycleCost {
         step: 4_000,
         ball_step: 330,
         rows_step: 250,
-        open: 8_000,
+        open: 8_200,
         ball_look: 610,
         ball_report: 680,
         probe: 1_500,
