@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Complete elliptic integrals and contact constants to 30 digits, for host_tests/judge/src/validation/hertz.rs.
+"""Complete elliptic integrals and contact constants to 30 digits, for host_tests/judge/src/validation/cases.rs.
 
     python3 -m pip install mpmath
     cd host_tests/judge/cases && python3 hertz.py

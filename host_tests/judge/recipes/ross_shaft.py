@@ -2,7 +2,7 @@
 """Flexibility at the noses of a spindle, held against an elastic shaft of ROSS, the rotor dynamics package.
 
     python3.11 -m venv venv && venv/bin/pip install "ross-rotordynamics==2.3.0" "plotly<6"
-    cargo test -p host_tests --test all -- --ignored written_for_ross
+    cargo test -p judge --test all -- --ignored written_for_ross
     venv/bin/python ross_shaft.py host_tests/judge/cases/ross_shafts.csv target/ross_shafts/*.json
     venv/bin/python ross_shaft.py --check           # tests the recipe against closed forms
 

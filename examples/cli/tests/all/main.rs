@@ -1,4 +1,4 @@
-//! The tools' tests in one program.
+//! The programs' tests in one program.
 
 mod limits;
 mod malformed;

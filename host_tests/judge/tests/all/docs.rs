@@ -7,7 +7,7 @@ use spindle_bearing::{
 };
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 const GUIDE: &str = include_str!("../../../../docs/guide.md");
 const FRONT: &str = include_str!("../../../../docs/crate.md");
@@ -160,4 +160,71 @@ fn each_test_that_the_page_on_safety_names_is_there() {
         .filter(|name| !tests.contains(&format!("fn {name}()")));
     assert_eq!(missing.collect::<Vec<_>>(), [""; 0]);
     assert!(names.count() > 20);
+}
+
+/// Text files below a folder, but for what is built.
+fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        if path.is_dir() {
+            if !matches!(name, "target" | ".git" | "corpus") {
+                texts(&path, found);
+            }
+        } else if [".md", ".rs", ".toml", ".py", ".sh", ".x"]
+            .iter()
+            .any(|ending| name.ends_with(ending))
+            || path.parent().is_some_and(|folder| folder.ends_with(".ci"))
+        {
+            found.push(path);
+        }
+    }
+}
+
+/// Words that look like a path, of letters, digits and `_-./`, with a slash; not what is built in `target`.
+fn paths(text: &str) -> impl Iterator<Item = &str> {
+    let is_of_path = |c: char| c.is_ascii_alphanumeric() || "_-./".contains(c);
+    text.split(move |c| !is_of_path(c))
+        .map(|word| word.trim_end_matches(['.', '/', '-']))
+        .filter(|word| word.contains('/') && !word.split('/').any(|part| part == "target"))
+}
+
+/// In every file, paths from the project's folder; in pages, links and names in backticks besides, from the page's folder, too.
+#[test]
+fn no_path_leads_nowhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .ancestors()
+        .nth(2)
+        .unwrap();
+    let (mut files, mut missing, mut count) = (Vec::new(), Vec::new(), 0);
+    texts(root, &mut files);
+    for file in &files {
+        let text = fs::read_to_string(file).unwrap();
+        let here = file.parent().unwrap();
+        let from_root = ["docs/", "examples/", "host_tests/", ".ci/", ".cargo/"];
+        let named = paths(&text).filter(|word| from_root.iter().any(|top| word.starts_with(top)));
+        let mut named: Vec<&str> = named.collect();
+        if file.extension().is_some_and(|ending| ending == "md") {
+            let links = text
+                .split("](")
+                .skip(1)
+                .filter_map(|rest| rest.split(')').next());
+            let links = links.filter(|link| !link.contains(':') && !link.starts_with('#'));
+            named.extend(links.map(|link| link.split('#').next().unwrap()));
+            let endings = [".rs", ".toml", ".csv", ".json", ".md", ".py", ".x"];
+            let quoted = text.split('`').skip(1).step_by(2).flat_map(paths);
+            named.extend(quoted.filter(|word| endings.iter().any(|ending| word.ends_with(ending))));
+        }
+        for name in named {
+            count += 1;
+            if !root.join(name).exists() && !here.join(name).exists() {
+                missing.push(format!(
+                    "{}: {name}",
+                    file.strip_prefix(root).unwrap().display()
+                ));
+            }
+        }
+    }
+    assert_eq!(missing, [""; 0]);
+    assert!(count > 300, "{count}");
 }

@@ -168,7 +168,7 @@ fn golden(arguments: &Arguments) -> Option<PathBuf> {
     };
     let name = format!("faults_{length}_seed_{}.txt", arguments.seed);
     let is_known = arguments.faults && arguments.spindle.is_none();
-    is_known.then(|| cli::root().join("host_tests/judge/golden").join(name))
+    is_known.then(|| cli::root().join("examples/cli/golden").join(name))
 }
 
 fn run(arguments: &Arguments, plan: &Plan, firmware: &Firmware) -> Result<()> {
