@@ -39,16 +39,21 @@ fn make() -> Result<()> {
     for doubt in &file.doubts {
         println!("cargo::warning={doubt}");
     }
-    let plan = board::plan(&file, core())?;
+    let board = chosen_board();
+    if let Some((folder, _)) = board {
+        // A linker finds `memory.x` there before that of the project's configuration.
+        println!("cargo::rustc-link-search={}", here.join(folder).display());
+    }
+    let plan = board::plan(&file, board.map(|(_, core)| core))?;
     let to = Path::new(&std::env::var("OUT_DIR")?).join("spindle.rs");
     Ok(std::fs::write(to, constants(&file, &plan)?)?)
 }
 
-/// The core of the board that this is built for; none for a host, which has no ticks to miss.
-fn core() -> Option<Core> {
+/// Folder and core of the board that this is built for; none for a host, which has no ticks to miss.
+fn chosen_board() -> Option<(&'static str, Core)> {
     let is_for = |feature: &str| std::env::var_os(feature).is_some();
-    let h743 = is_for("CARGO_FEATURE_H743").then_some(Core::STM32H743);
-    h743.or(is_for("CARGO_FEATURE_F405").then_some(Core::STM32F405))
+    let h743 = is_for("CARGO_FEATURE_H743").then_some(("h743", Core::STM32H743));
+    h743.or(is_for("CARGO_FEATURE_F405").then_some(("f405", Core::STM32F405)))
 }
 
 /// The spindle and its settings as Rust.

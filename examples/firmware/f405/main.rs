@@ -14,21 +14,9 @@
 #![no_std]
 #![no_main]
 
-mod board;
-
-use spindle_firmware::application;
-use spindle_firmware::spindle::ROWS;
-use spindle_firmware::spindle::monitor_settings;
-use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::Core;
-
-/// The monitor's settings on this core.
-static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
+use spindle_firmware::{application, stm32};
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let Some(board) = board::start() else {
-        unreachable!("main runs once, and takes the peripherals once");
-    };
-    application::run(board)
+    application::run(stm32::start())
 }

@@ -6,6 +6,7 @@ use crate::chain::{self, Chain, Sensors, SpindleMonitor};
 use crate::dog::{Dog, feed_at_start};
 use crate::flash::{Cells, Flash, Pace};
 use crate::memory;
+use crate::receiver::BAUD;
 use crate::self_check::{KnownSolver, SelfCheck};
 use crate::spindle::{BALLS, BRIDGES, IDENTITY, PERIOD_US, ROWS};
 use core::mem::MaybeUninit;
@@ -29,7 +30,7 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
         "ready: core at {=u32} MHz, clock {=str}, {=u32} baud, ticks by {=str}",
         board.core_hz / 1_000_000,
         board.clock,
-        B::BAUD,
+        BAUD,
         if board.lock_step {
             "the port"
         } else {

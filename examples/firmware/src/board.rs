@@ -18,8 +18,6 @@ pub const SET_BROWN_OUT: bool = option_env!("SPINDLE_BROWN_OUT").is_some();
 
 /// A kind of board: its constants, and what its chip does.
 pub trait Board: Sized {
-    /// Baud rate of the port.
-    const BAUD: u32;
     /// The monitor's settings on this core.
     const MONITOR: &'static MonitorSettings<ROWS>;
 

@@ -13,35 +13,6 @@ use crate::spindle::PERIOD_US;
 use core::sync::atomic::{AtomicBool, Ordering};
 use spindle_monitor::tick::Watchdog;
 
-/// Starts the independent watchdog at this address, before anything else.
-///
-/// Before variables are initialised, only registers can be used. This starts the watchdog (0xcccc) and opens its prescaler
-/// (0x5555) to divide 32 kHz by 64 (4). It begins at 4095 counts, that is 8 s.
-#[macro_export]
-macro_rules! start_watchdog {
-    ($address:literal) => {
-        core::arch::global_asm!(
-            ".pushsection .text.__pre_init, \"ax\", %progbits",
-            ".global __pre_init",
-            ".type __pre_init, %function",
-            ".thumb_func",
-            "__pre_init:",
-            "movw r0, #({address} & 0xffff)",
-            "movt r0, #({address} >> 16)",
-            "movw r1, #0xcccc",
-            "str r1, [r0]",
-            "movw r1, #0x5555",
-            "str r1, [r0]",
-            "movs r1, #4",
-            "str r1, [r0, #4]",
-            "bx lr",
-            ".size __pre_init, . - __pre_init",
-            ".popsection",
-            address = const $address,
-        );
-    };
-}
-
 /// The window is watched: it is no longer the start.
 static WATCHED: AtomicBool = AtomicBool::new(false);
 

@@ -89,6 +89,8 @@ const fn well(done: bool) -> Result<(), NorFlashErrorKind> {
 impl<C: Cells> ReadNorFlash for Flash<C> {
     const READ_SIZE: usize = C::UNIT;
 
+    // Inlined, it costs 960 B on the STM32F405 and 2660 B on the STM32H743.
+    #[inline(never)]
     fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), NorFlashErrorKind> {
         check_read(self, offset, bytes.len())?;
         let units = bytes.chunks_exact_mut(C::UNIT);

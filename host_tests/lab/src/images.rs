@@ -2,12 +2,33 @@
 
 use cli::cross::TARGET;
 
-/// The firmware of the STM32H743, outside the workspace.
+/// The firmware of the STM32H743. Its folder is another one, so that its builds run beside the others.
 pub const H743: &[&str] = &[
-    "--manifest-path",
-    "examples/firmware/h743/Cargo.toml",
+    "-p",
+    "spindle_firmware",
+    "--features",
+    "h743",
     "--config",
-    "examples/firmware/h743/.cargo/config.toml",
+    "examples/firmware/h743/config.toml",
+    "--target",
+    TARGET,
+    "--target-dir",
+    "target/h743",
+];
+
+/// The bench of the STM32H743, likewise.
+pub const BENCH_H743: &[&str] = &[
+    "-p",
+    "lab",
+    "--no-default-features",
+    "--features",
+    "h743",
+    "--config",
+    "examples/firmware/h743/config.toml",
+    "--target",
+    TARGET,
+    "--target-dir",
+    "target/h743",
 ];
 
 /// The images of this package, for the core of the STM32F405.
@@ -17,4 +38,8 @@ pub const IMAGES: &[&str] = &["-p", "lab", "--target", TARGET];
 pub const BARE: &[&str] = &["-p", "lab", "--no-default-features", "--target", TARGET];
 
 /// Flags for [`BARE`]: these take the place of the configuration's, so that the linker script is named again.
-pub const BARE_FLAGS: &[&str] = &["-Ctarget-cpu=cortex-m4", "-Clink-arg=-Tlink.x"];
+pub const BARE_FLAGS: &[&str] = &[
+    "-Ctarget-cpu=cortex-m4",
+    "-Clink-arg=-Tlink.x",
+    "-Clink-arg=-Lexamples/firmware/f405",
+];

@@ -42,7 +42,7 @@ fn project() -> &'static Path {
 }
 
 /// Every package but the library, and the packages of the project that it may use.
-const PACKAGES: [(&str, &[&str]); 10] = [
+const PACKAGES: [(&str, &[&str]); 9] = [
     ("examples/monitor", &["spindle-bearing"]),
     ("examples/rtic", &["spindle-bearing"]),
     (
@@ -52,10 +52,6 @@ const PACKAGES: [(&str, &[&str]); 10] = [
     (
         "examples/firmware",
         &["spindle-bearing", "spindle-monitor", "spindle_file"],
-    ),
-    (
-        "examples/firmware/h743",
-        &["lab", "spindle-monitor", "spindle_firmware"],
     ),
     (
         "examples/firmware/twin",

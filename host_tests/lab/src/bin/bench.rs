@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use clap::{Parser, ValueEnum};
 use cli::cross::{self, Build};
 use cli::emulator::{self, Firmware, Log};
-use lab::images::{H743, IMAGES};
+use lab::images::{BENCH_H743, IMAGES};
 use lab::report::{self, Figures};
 use lab::solves::{self, CASES, KINDS, Solves, Work};
 use lab::workload;
@@ -121,9 +121,9 @@ fn main() -> Result<()> {
     fs::write(&table, board.table(&report::figures(root)?))
         .with_context(|| format!("cannot write {}", table.display()))?;
     let (package, program, features) = match board {
-        Board::F405 => (IMAGES, "bench_f405", "bench,spindle_firmware/rtt"),
-        Board::H743 => (H743, "bench_h743", "bench,rtt"),
-        Board::Emulated => (IMAGES, "bench_f405", "bench"),
+        Board::F405 => (IMAGES, "bench_f405", "f405,spindle_firmware/rtt"),
+        Board::H743 => (BENCH_H743, "bench_h743", "spindle_firmware/rtt"),
+        Board::Emulated => (IMAGES, "bench_f405", "f405"),
     };
     let table = table.display().to_string();
     let image = Build {

@@ -44,7 +44,6 @@ fn main() -> ExitCode {
 fn check() -> Result<()> {
     let root = cli::root();
     cross::add_target(root)?;
-    // The firmware of the H743 has a target folder of its own, so that its builds run beside the others.
     let (h743, others) = rayon::join(
         || {
             let kinds = &Unwanted::IN_DOUBLE;
@@ -247,13 +246,13 @@ fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -
 /// Checks the monitor's firmware for a board and a spindle.
 fn shipped(
     folder: &Path,
-    (package, name): (&[&str], &str),
+    (package, program): (&[&str], &str),
     &(spindle, parts): &(Option<&str>, &[Part]),
     kinds: &[Unwanted],
 ) -> Result<()> {
     let build = Build {
         package,
-        program: name,
+        program,
         link: &[RELOCATIONS],
         environment: &[("SPINDLE", spindle)],
         ..Build::default()
@@ -267,10 +266,10 @@ fn shipped(
         .to_vec();
     if parts.contains(&Part::Bridges) {
         // Functions of the board that a tick calls by pointers, which no relocation follows.
-        let functions = ["spi::exchange", "sensors::drdy", "sensors::reset"];
-        let others = ["sensors::select", "sensors::now"];
-        let all = functions.iter().chain(&others);
-        roots.extend(all.map(|function| format!("{name}::board::{function}")));
+        let chip = if package == H743 { "h743" } else { "f405" };
+        let functions = ["drdy", "reset", "select", "now"];
+        roots.extend(functions.map(|name| format!("spindle_firmware::stm32::sensors::{name}")));
+        roots.push(format!("spindle_firmware::stm32::{chip}::spi::exchange"));
     }
     let is_root = |name: &str| {
         let is = |root: &String| {

@@ -36,6 +36,7 @@ impl Image {
             [
                 format!("-Ctarget-cpu={processor}"),
                 "-Clink-arg=-Tlink.x".to_owned(),
+                "-Clink-arg=-Lexamples/firmware/f405".to_owned(),
                 "-Clink-arg=-Tdefmt.x".to_owned(),
             ]
         });

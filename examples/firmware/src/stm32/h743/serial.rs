@@ -6,15 +6,12 @@
 
 #![allow(unsafe_code, reason = "registers shared with an interrupt handler")]
 
-use super::clock::Clock;
-use super::{pac, within};
+use crate::board::within;
+use crate::log;
+use crate::receiver::{BAUD, PLACES, Receiver, Ring};
+use crate::stm32::clock::Clock;
+use crate::stm32::pac::{self, GPIOD, Interrupt, NVIC, RCC, USART2, USART3, interrupt};
 use core::sync::atomic::{AtomicUsize, Ordering};
-use pac::{GPIOD, Interrupt, NVIC, RCC, USART2, USART3, interrupt};
-use spindle_firmware::log;
-use spindle_firmware::receiver::{PLACES, Receiver, Ring};
-
-/// Baud rate of both, 8N1. From 100 MHz and from 64 MHz alike it is met within 0.1 %.
-pub use spindle_firmware::receiver::BAUD;
 
 /// Received bytes, and the place that is written next.
 static RING: Ring = Ring::zeroed();
@@ -46,11 +43,16 @@ pub fn start(
         w.moder8().alternate().moder9().alternate()
     });
 
-    let divisor = (clock.usart_hz + BAUD / 2) / BAUD;
+    // From 100 MHz and from 64 MHz alike the rate is met within 0.1 %.
+    let divisor = |hz: u32| (hz + BAUD / 2) / BAUD;
     // SAFETY: with sixteenfold oversampling the register is the divisor; at 100 MHz it is 217.
-    usart.brr().write(|w| unsafe { w.bits(divisor) });
+    usart
+        .brr()
+        .write(|w| unsafe { w.bits(divisor(clock.usart_hz)) });
     // SAFETY: likewise.
-    of_log.brr().write(|w| unsafe { w.bits(divisor) });
+    of_log
+        .brr()
+        .write(|w| unsafe { w.bits(divisor(clock.log_hz)) });
     of_log.cr1().write(|w| w.ue().enabled().te().enabled());
     usart.cr1().write(|w| {
         w.ue().enabled().te().enabled().re().enabled();

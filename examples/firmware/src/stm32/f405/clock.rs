@@ -1,15 +1,16 @@
 //! 168 MHz from the crystal, or from the internal oscillator where that cannot be had; its 16 MHz where the PLL does not start.
 
-use super::{pac, within};
-use pac::{FLASH, RCC};
-use spindle_monitor::tick::Core;
+use super::CORE;
+use crate::board::within;
+use crate::stm32::clock::Clock;
+use crate::stm32::pac::{FLASH, RCC};
 
 /// Frequency of the board's crystal, Hz: a whole number of MHz.
 const CRYSTAL_HZ: u32 = 8_000_000;
 /// Frequency of the internal oscillator, Hz.
 pub const INTERNAL_HZ: u32 = 16_000_000;
 /// Frequency of the core when it runs from the PLL, Hz: the most the chip allows.
-pub const CORE_HZ: u32 = Core::STM32F405.hz;
+pub const CORE_HZ: u32 = CORE.hz;
 
 /// Frequency that the PLL compares at, Hz: it jitters least of what it accepts.
 const COMPARED_HZ: u32 = 2_000_000;
@@ -23,21 +24,6 @@ const WAIT_STATES: u8 = 5;
 /// Looks at a ready flag before an oscillator counts as dead: some 50 ms at 16 MHz.
 /// A crystal takes 2 ms and the PLL 0.3 ms.
 const PATIENCE: u32 = 100_000;
-
-/// The clock that was reached.
-#[derive(Clone, Copy)]
-pub struct Clock {
-    /// Where it comes from.
-    pub source: &'static str,
-    /// Frequency of the core, Hz.
-    pub core_hz: u32,
-    /// Frequency that USART1 divides its baud rate from, Hz.
-    pub usart_hz: u32,
-    /// Frequency that USART2 divides its baud rate from, Hz.
-    pub log_hz: u32,
-    /// Frequency that TIM2 counts from, Hz.
-    pub timer_hz: u32,
-}
 
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
 /// oscillator, with the core supply scaled for 168 MHz.
@@ -59,13 +45,7 @@ pub fn start(rcc: &RCC, flash: &FLASH) -> Clock {
     rcc.cfgr().reset();
     within(PATIENCE, || rcc.cfgr().read().sws().is_hsi());
     rcc.cr().modify(|_, w| w.pllon().off().hseon().off());
-    Clock {
-        source: "InternalWithoutPll",
-        core_hz: INTERNAL_HZ,
-        usart_hz: INTERNAL_HZ,
-        log_hz: INTERNAL_HZ,
-        timer_hz: INTERNAL_HZ,
-    }
+    Clock::internal(INTERNAL_HZ)
 }
 
 fn crystal(rcc: &RCC) -> bool {

@@ -1,6 +1,6 @@
 //! The cause of the chip's last reset.
 
-use super::pac::RCC;
+use crate::stm32::pac::RCC;
 use spindle_monitor::board::ResetCause;
 
 /// Cause of the chip's last reset. Clears it, so that the next reset is told from this one.

@@ -1,7 +1,7 @@
 //! Port C: its pins are straps.
 
 use super::pac::GPIOC;
-use spindle_firmware::strap::{Pins, Pull};
+use crate::strap::{Pins, Pull};
 
 /// The port, its clock on.
 pub struct PortC(pub GPIOC);

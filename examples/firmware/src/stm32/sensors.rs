@@ -10,23 +10,24 @@
 
 #![allow(unsafe_code, reason = "registers without an owner")]
 
-use super::{pac, spi};
-use pac::{GPIOA, GPIOB, Interrupt, NVIC, TIM2, interrupt};
-use spindle_firmware::sensors::{Wiring, edge};
-use spindle_firmware::spindle::TACHOMETER;
+use super::MONITOR;
+use super::chip::{CORE, spi};
+use super::pac::{GPIOA, GPIOB, Interrupt, NVIC, TIM2, interrupt};
+use crate::sensors::{Measured, Wiring, edge};
+use crate::spindle::TACHOMETER;
 
 /// The wiring.
-pub const WIRING: Wiring = Wiring {
+const WIRING: Wiring = Wiring {
     exchange: spi::exchange,
     drdy,
     reset,
     select,
     now,
-    core_mhz: 400,
+    core_mhz: CORE.hz / 1_000_000,
 };
 
-/// Starts pins and timer. Their clocks are on already; the timer counts at `timer_hz`.
-pub fn start(gpioa: &GPIOA, gpiob: &GPIOB, tim2: &TIM2, timer_hz: u32) {
+/// Starts pins and timer, and with them the sensors. Their clocks are on already; the timer counts at `timer_hz`.
+pub fn start(gpioa: &GPIOA, gpiob: &GPIOB, tim2: &TIM2, timer_hz: u32) -> Measured {
     gpioa.afrl().modify(|_, w| {
         w.afr(0).af1();
         w.afr(5).af5().afr(6).af5().afr(7).af5()
@@ -63,6 +64,7 @@ pub fn start(gpioa: &GPIOA, gpiob: &GPIOB, tim2: &TIM2, timer_hz: u32) {
     tim2.cr1().write(|w| w.cen().set_bit());
     // SAFETY: the handler shares nothing with the main program but what is behind a mutex.
     unsafe { NVIC::unmask(Interrupt::TIM2) };
+    Measured::start(&WIRING, MONITOR.plausibility.stuck_after)
 }
 
 // Functions by themselves, so that `cargo check-firmware` finds them.

@@ -6,12 +6,13 @@
 
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
-use super::dog::feed_at_start;
-use super::{pac, within};
+use crate::board::within;
+use crate::flash::{Cells, SECTOR};
+use crate::stm32::cells::word;
+use crate::stm32::iwdg::feed_at_start;
+use crate::stm32::pac::{self, FLASH};
 use core::arch::asm;
 use cortex_m::peripheral::SCB;
-use pac::FLASH;
-use spindle_firmware::flash::{Cells, SECTOR};
 
 /// The first of the two sectors, in its bank: `memory.x` holds its address against it.
 const FIRST: u8 = 6;
@@ -27,11 +28,6 @@ const WORD: usize = 32;
 /// flags below (`SCB.CFSR`, its part for the bus).
 const IGNORE_BUS_FAULTS: u32 = 1 << 8;
 const BUS_FAULTS: u32 = 0xff00;
-
-unsafe extern "C" {
-    /// Where they begin, by `memory.x`.
-    static _retained: [u32; 2 * SECTOR as usize / 4];
-}
 
 /// The controller, its second bank unlocked.
 pub struct Memory {
@@ -98,15 +94,6 @@ impl Memory {
         self.scb
             .clean_invalidate_dcache_by_address(address, length as usize);
     }
-}
-
-/// The address of a word of 32 bits.
-fn word(at: u32) -> *mut u32 {
-    // The caller has held it against the capacity.
-    (&raw const _retained)
-        .cast::<u32>()
-        .cast_mut()
-        .wrapping_byte_add(at as usize)
 }
 
 impl Cells for Memory {

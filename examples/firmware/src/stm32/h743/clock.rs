@@ -2,9 +2,10 @@
 //!
 //! 400 MHz is what every revision of the chip reaches; 480 MHz takes revision V and another core supply.
 
-use super::{pac, within};
-use pac::{FLASH, PWR, RCC};
-use spindle_monitor::tick::Core;
+use super::CORE;
+use crate::board::within;
+use crate::stm32::clock::Clock;
+use crate::stm32::pac::{FLASH, PWR, RCC};
 
 /// Frequency at the oscillator's pins, Hz: a whole, even number of MHz.
 const EXTERNAL_HZ: u32 = 8_000_000;
@@ -13,7 +14,7 @@ const EXTERNAL_IS_CLOCK: bool = true;
 /// Frequency of the internal oscillator, Hz.
 const INTERNAL_HZ: u32 = 64_000_000;
 /// Frequency of the core when it runs from the PLL, Hz.
-const CORE_HZ: u32 = Core::STM32H743.hz;
+const CORE_HZ: u32 = CORE.hz;
 /// Frequency that the PLL compares at, Hz: the lower end of its range of 2 MHz to 4 MHz.
 const COMPARED_HZ: u32 = 2_000_000;
 /// The PLL's oscillator runs at twice the core's frequency: 800 MHz, of 192 MHz to 836 MHz.
@@ -26,19 +27,6 @@ const PROGRAMMING_DELAY: u8 = 2;
 /// Looks at a ready flag before an oscillator counts as dead: some 20 ms at 64 MHz.
 /// A crystal takes 2 ms and the PLL 0.2 ms.
 const PATIENCE: u32 = 100_000;
-
-/// The clock that was reached.
-#[derive(Clone, Copy)]
-pub struct Clock {
-    /// Where it comes from.
-    pub source: &'static str,
-    /// Frequency of the core, Hz.
-    pub core_hz: u32,
-    /// Frequency that USART3 divides its baud rate from, Hz.
-    pub usart_hz: u32,
-    /// Frequency that TIM2 counts from, Hz.
-    pub timer_hz: u32,
-}
 
 /// Goes as fast as the hardware lets it. Expects the chip as a reset leaves it: on the internal
 /// oscillator, with the core supply scaled for slow clocks.
@@ -53,6 +41,7 @@ pub fn start(rcc: &RCC, pwr: &PWR, flash: &FLASH) -> Clock {
             },
             core_hz: CORE_HZ,
             usart_hz: CORE_HZ / 4,
+            log_hz: CORE_HZ / 4,
             timer_hz: CORE_HZ / 2,
         };
     }
@@ -62,12 +51,7 @@ pub fn start(rcc: &RCC, pwr: &PWR, flash: &FLASH) -> Clock {
     rcc.d2cfgr().reset();
     rcc.d3cfgr().reset();
     rcc.cr().modify(|_, w| w.pll1on().off().hseon().off());
-    Clock {
-        source: "InternalWithoutPll",
-        core_hz: INTERNAL_HZ,
-        usart_hz: INTERNAL_HZ,
-        timer_hz: INTERNAL_HZ,
-    }
+    Clock::internal(INTERNAL_HZ)
 }
 
 fn external(rcc: &RCC) -> bool {

@@ -5,10 +5,11 @@
 
 #![allow(unsafe_code, reason = "memory that the compiler takes for constant")]
 
-use super::dog::feed_at_start;
-use super::{pac, within};
-use pac::FLASH;
-use spindle_firmware::flash::{Cells, SECTOR};
+use crate::board::within;
+use crate::flash::Cells;
+use crate::stm32::cells::word;
+use crate::stm32::iwdg::feed_at_start;
+use crate::stm32::pac::{self, FLASH};
 
 /// The first of the two sectors: `memory.x` holds its address against it.
 const FIRST: u8 = 10;
@@ -17,11 +18,6 @@ const FIRST: u8 = 10;
 const PATIENCE: u32 = 200_000;
 /// Looks before an erase counts as failed: 4 s at least, the core's caches holding this loop.
 const ERASE_PATIENCE: u32 = 80_000_000;
-
-unsafe extern "C" {
-    /// Where they begin, by `memory.x`.
-    static _retained: [u32; 2 * SECTOR as usize / 4];
-}
 
 /// The controller, unlocked.
 pub struct Memory(FLASH);
@@ -78,15 +74,6 @@ impl Memory {
         acr.modify(|_, w| w.dcrst().no_reset());
         acr.modify(|_, w| w.dcen().bit(on));
     }
-}
-
-/// The address of a word.
-fn word(at: u32) -> *mut u32 {
-    // The caller has held it against the capacity.
-    (&raw const _retained)
-        .cast::<u32>()
-        .cast_mut()
-        .wrapping_byte_add(at as usize)
 }
 
 impl Cells for Memory {

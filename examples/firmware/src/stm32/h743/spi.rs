@@ -2,8 +2,8 @@
 
 #![allow(unsafe_code, reason = "registers without an owner")]
 
-use super::pac::SPI1;
-use super::within;
+use crate::board::within;
+use crate::stm32::pac::SPI1;
 
 /// Looks at the bus before a byte is given up: many times the time of a byte.
 const PATIENCE: u32 = 10_000;

@@ -5,17 +5,15 @@
     reason = "registers without an owner, fields without ranges"
 )]
 
-use super::clock::{CORE_HZ, Clock, INTERNAL_HZ};
-use super::pac::{IWDG, WWDG};
-use super::within;
-use crate::MONITOR;
-use spindle_firmware::dog::{self, COUNTS, FED_EVERY_US, TOO_EARLY_US};
+use super::clock::{CORE_HZ, INTERNAL_HZ};
+use crate::dog::{self, FED_EVERY_US, TOO_EARLY_US};
+use crate::stm32::MONITOR;
+use crate::stm32::clock::Clock;
+use crate::stm32::iwdg;
+use crate::stm32::pac::{IWDG, WWDG};
 
-// The registers of `IWDG`.
-spindle_firmware::start_watchdog!(0x4000_3000);
-
-/// Looks at its status before it counts as idle: some ms at least, where an update takes 0.3 ms.
-const PATIENCE: u32 = 200_000;
+/// Address of the registers of `IWDG`.
+pub const IWDG_ADDRESS: u32 = 0x4000_3000;
 
 /// Cycles of the bus in a count of the window watchdog: 4096 by 8.
 const CYCLES: u32 = 4096 * 8;
@@ -32,11 +30,6 @@ const _: () = assert!(
     ends_in_time(CORE_HZ, CORE_HZ / 4) && ends_in_time(INTERNAL_HZ, INTERNAL_HZ),
     "a tick may last longer than the window watchdog waits"
 );
-
-/// Feeds the independent watchdog while the board starts.
-pub fn feed_at_start() {
-    dog::feed_at_start::<Watchdogs>();
-}
 
 /// Both watchdogs.
 ///
@@ -67,18 +60,11 @@ impl Watchdogs {
 
 impl dog::Watchdogs for Watchdogs {
     fn feed_independent() {
-        // SAFETY: it is always there; a write of this key feeds it, whoever writes.
-        unsafe { &*IWDG::ptr() }.kr().write(|w| w.key().feed());
+        iwdg::feed();
     }
 
     fn tighten(&mut self) {
-        let idle = || within(PATIENCE, || self.iwdg.sr().read().bits() == 0);
-        idle();
-        self.iwdg.kr().write(|w| w.key().unlock());
-        self.iwdg.pr().write(|w| w.pr().divide_by32());
-        // SAFETY: within the register's twelve bits.
-        self.iwdg.rlr().write(|w| unsafe { w.bits(COUNTS) });
-        idle();
+        iwdg::tighten(&self.iwdg);
         let first = FULL.saturating_sub(self.too_early);
         // SAFETY: seven bits.
         self.window
@@ -98,6 +84,6 @@ impl dog::Watchdogs for Watchdogs {
                 .cr()
                 .write(|w| unsafe { w.wdga().enabled().t().bits(FULL) });
         }
-        self.iwdg.kr().write(|w| w.key().feed());
+        iwdg::feed();
     }
 }

@@ -9,15 +9,12 @@
 
 #![allow(unsafe_code, reason = "registers shared with the DMA controller")]
 
-use super::clock::Clock;
-use super::{pac, within};
+use crate::board::within;
+use crate::log;
+use crate::receiver::{BAUD, PLACES, Receiver, Ring};
+use crate::stm32::clock::Clock;
+use crate::stm32::pac::{self, DMA2, GPIOA, RCC, USART1, USART2};
 use core::sync::atomic::{AtomicBool, Ordering};
-use pac::{DMA2, GPIOA, RCC, USART1, USART2};
-use spindle_firmware::log;
-use spindle_firmware::receiver::{PLACES, Receiver, Ring};
-
-/// Baud rate of both, 8N1. From 84 and 42 MHz it is met within 1 %, from 16 MHz to 2.1 %.
-pub use spindle_firmware::receiver::BAUD;
 
 /// Received bytes. In the RAM of `memory.x`, which DMA2 reaches, and not in the CCM.
 static RING: Ring = Ring::zeroed();
@@ -53,6 +50,7 @@ pub fn start(
         w.moder9().alternate().moder10().alternate()
     });
 
+    // From 84 and 42 MHz the rate is met within 1 %, from 16 MHz to 2.1 %.
     let divisor = |hz: u32| ((hz + BAUD / 2) / BAUD) as u16;
     // SAFETY: mantissa and fraction side by side are sixteenths of the divisor by 16, that is,
     // the divisor itself; at 84 MHz it is 182.
