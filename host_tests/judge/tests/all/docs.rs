@@ -174,7 +174,9 @@ fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
         } else if [".md", ".rs", ".toml", ".py", ".sh", ".x"]
             .iter()
             .any(|ending| name.ends_with(ending))
-            || path.parent().is_some_and(|folder| folder.ends_with(".ci"))
+            || path
+                .parent()
+                .is_some_and(|folder| folder.file_name().is_some_and(|name| name == ".ci"))
         {
             found.push(path);
         }
