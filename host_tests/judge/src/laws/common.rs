@@ -1,4 +1,4 @@
-//! Figures that both targets draw, and laws of any answer and of any refusal.
+//! Figures that runs draw, and laws of any answer and of any refusal.
 
 use arbitrary::{Arbitrary, Error, Result, Unstructured};
 use spindle_bearing::{
@@ -58,6 +58,7 @@ fn material(u: &mut Unstructured) -> Result<Material> {
     })
 }
 
+/// Any design, mostly one that can be built.
 pub fn design(u: &mut Unstructured) -> Result<Design> {
     let mut design = Design {
         ball_diameter: magnitude(u, 1e-5, 10.0)?,
@@ -79,6 +80,7 @@ pub fn design(u: &mut Unstructured) -> Result<Design> {
     Ok(design)
 }
 
+/// Settings in the place of the default, now and then.
 pub fn settings(u: &mut Unstructured) -> Result<Option<Settings<f64>>> {
     let settings = Settings {
         max_iterations: u.int_in_range(0..=MOST_ITERATIONS)?,
@@ -105,6 +107,7 @@ pub fn growth<T: Real>(lengths: [f64; 3]) -> Growth<T> {
     }
 }
 
+/// As many as an array has.
 pub fn several<T, const K: usize>(one: impl FnMut(usize) -> Result<T>) -> Result<[T; K]> {
     let several: Result<Vec<T>> = (0..K).map(one).collect();
     several?.try_into().map_err(|_| Error::IncorrectFormat)
@@ -112,12 +115,16 @@ pub fn several<T, const K: usize>(one: impl FnMut(usize) -> Result<T>) -> Result
 
 /// Load capacity of the bearing, to an order of magnitude.
 pub struct Scale {
+    /// N and N m.
     pub load: [f64; 5],
+    /// rad/s.
     pub speed: f64,
+    /// m and rad.
     pub displacement: [f64; 5],
 }
 
 impl Scale {
+    /// Of a bearing with so many balls.
     pub fn of(design: &Design, balls: usize) -> Self {
         let diameter = design.ball_diameter;
         let radius = design.pitch_diameter / 2.0;
@@ -137,13 +144,19 @@ impl Scale {
 /// Every figure of an answer.
 #[derive(Debug)]
 pub struct Answer<T> {
+    /// How the solve ended.
     pub status: Status<T>,
+    /// Iterations.
     pub iterations: u16,
+    /// Estimated errors.
     pub error: ErrorEstimate<T>,
+    /// All figures of ring and rows.
     pub figures: Vec<T>,
+    /// All balls.
     pub balls: Vec<BallState<T>>,
 }
 
+/// An answer or a refusal.
 pub type Asked<T> = std::result::Result<Answer<T>, Status<T>>;
 
 /// A design that was refused is out of the range that its error names.

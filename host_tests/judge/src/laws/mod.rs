@@ -1,12 +1,11 @@
 //! Laws of any answer and of any refusal, tried on runs that are drawn from any bits. `cargo fuzz` looks for bits that break
 //! one, and the judge's tests replay those that were kept.
 
-mod common;
+pub mod common;
 pub mod flash;
 pub mod log;
 pub mod port;
 mod shaft;
-pub mod solves;
 pub mod spindles;
 mod statics;
 

@@ -9,9 +9,9 @@ use crate::laws::common::{
 use crate::laws::shaft::{MOST_ROWS, Step};
 use crate::laws::statics::{Place, assert_balances, assert_symmetric};
 use spindle_bearing::{
-    Arrangement, Bearing, Given, Growth, Material, Motion, Mounted, Preload, RacewayControlFree,
-    Real, Section, Settings, Shaft, Speed, Spindle, SpindleError, SpindleSolution, SpindleSolver,
-    Static, Status, Support,
+    Arrangement, Bearing, Centrifugal, Given, Growth, InnerRaceControl, Material, Motion, Mounted,
+    OuterRaceControl, Preload, RacewayControlFree, Real, Section, Settings, Shaft, Speed, Spindle,
+    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
 };
 use std::array::from_fn;
 
@@ -129,9 +129,12 @@ fn moving<T: Real, const R: usize, const D: usize, const E: usize>(
     run: &Run,
     spindle: Spindle<'_, T, R, BALLS, D, E>,
 ) -> Ends {
-    match run.scene[1] % 2 {
+    match run.scene[1] % 5 {
         0 => solve::<T, R, Static, D, E>(run, spindle),
-        _ => solve::<T, R, RacewayControlFree, D, E>(run, spindle),
+        1 => solve::<T, R, RacewayControlFree, D, E>(run, spindle),
+        2 => solve::<T, R, Centrifugal, D, E>(run, spindle),
+        3 => solve::<T, R, OuterRaceControl, D, E>(run, spindle),
+        _ => solve::<T, R, InnerRaceControl, D, E>(run, spindle),
     }
 }
 

@@ -4,10 +4,19 @@ use super::solves::{
     AnySolver, BALL_COUNTS, Balls, GROWN, PRECISIONS, Question, errors, ring_solver, rounded,
     solver, stated,
 };
+use arbitrary::Unstructured;
 use judge::cases::{self, B218, B7005C, SKF6205, SolvedCase, rad_per_s};
 use judge::compare::Equilibrium;
+use judge::laws::common::{
+    Answer, Scale, design, growth, inspect, refused, settings, settings_in, several, signed,
+    unharmed,
+};
 use judge::tolerances::allowed_at;
-use spindle_bearing::{AxialSolver, Bearing, Design, FreeContact, Growth, Settings, Speed, Status};
+use proptest::prelude::*;
+use spindle_bearing::{
+    AxialSolver, Bearing, Centrifugal, Design, FreeContact, Given, Growth, InnerRaceControl,
+    Motion, OuterRaceControl, RacewayControlFree, Real, Settings, Speed, Static, Status,
+};
 use spindle_file::dispatch::Precision;
 
 /// A solver of one ball for all.
@@ -254,4 +263,67 @@ fn a_solve_at_speed_after_a_failed_one_at_rest_is_a_cold_one() {
         .solve(&bearing, 300.0, speed, &Settings::default())
         .unwrap();
     assert_eq!((iterations, k), (truth.iterations, truth.stiffness()));
+}
+
+/// Any bearing, settings and sequence of loads or displacements: an answer in numbers, or a refusal that does no harm.
+fn run<T: Real, M: Motion + Copy>(bits: &[u8]) -> arbitrary::Result<()> {
+    let u = &mut Unstructured::new(bits);
+    let design = design(u)?;
+    let settings: Settings<T> = settings_in(settings(u)?);
+    let bearing = match Bearing::<T, 16>::of(&design) {
+        Ok(bearing) => bearing,
+        Err(error) => {
+            refused(&error);
+            return Ok(());
+        }
+    };
+    let scale = Scale::of(&design, 16);
+    let ask = |solver: &mut AxialSolver<T, M>, asked: &(Given<T>, T, Growth<T>), settings: &_| {
+        let (given, omega, growth) = *asked;
+        let at = Speed::rad_per_s(omega).with_growth([growth]);
+        let found = solver.solve(&bearing, given, at, settings)?;
+        Ok(Answer {
+            status: found.status,
+            iterations: found.iterations,
+            error: found.error,
+            figures: vec![found.stiffness(), found.displacement, found.load],
+            balls: vec![found.ball()],
+        })
+    };
+    let probe = |solver: &AxialSolver<T, M>, near: &(Given<T>, T, Growth<T>)| {
+        let found = ask(&mut solver.clone(), near, &Settings::default());
+        format!("{found:?}")
+    };
+    let fresh = AxialSolver::<T, M>::of();
+    let mut solver = fresh.clone();
+    let light = Given::Load(T::of(1e-4 * scale.load[0]));
+    let mut tried = (light, T::ZERO, Growth::NONE);
+    while !u.is_empty() {
+        let given = match u.ratio(3, 4)? {
+            true => Given::Load(T::of(signed(u, 1e-12, 10.0)? * scale.load[0])),
+            false => Given::Displacement(T::of(signed(u, 1e-9, 3.0)? * scale.displacement[0])),
+        };
+        let lengths = several(|_| signed(u, 1e-6, 0.3))?;
+        let grown = growth(lengths.map(|x| x * scale.displacement[0]));
+        let omega = T::of(signed(u, 1e-6, 3.0)? * scale.speed);
+        let asked = (given, omega, grown);
+        let before = solver.clone();
+        let most = settings.max_iterations.max(1);
+        let ended = inspect(ask(&mut solver, &asked, &settings), most);
+        tried = unharmed(&ended, [&solver, &before, &fresh], tried, asked, probe);
+    }
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn any_bits_end_in_numbers_or_in_a_refusal_that_does_no_harm(bits in prop::collection::vec(any::<u8>(), 100..400)) {
+        // Bits that end within a number are a shorter run.
+        for each in [run::<f32, Static>, run::<f32, Centrifugal>, run::<f32, RacewayControlFree>] {
+            let _ = each(&bits);
+        }
+        for each in [run::<f32, OuterRaceControl>, run::<f32, InnerRaceControl>, run::<f64, RacewayControlFree>] {
+            let _ = each(&bits);
+        }
+    }
 }

@@ -150,10 +150,7 @@ impl Guarded {
                 let path = entry?.path();
                 let name = path.strip_prefix(&root)?.to_string_lossy().into_owned();
                 if path.is_dir() {
-                    // The monitor is beside every scene.
-                    if name != "monitor" {
-                        folders.push(path);
-                    }
+                    folders.push(path);
                     continue;
                 }
                 let text = fs::read_to_string(&path)

@@ -1,10 +1,5 @@
 //! The part of `cargo reports` that needs the emulator: see `cargo reports --help`.
 
-#![allow(
-    clippy::duplicate_mod,
-    reason = "the monitor's chain, once for each precision"
-)]
-
 mod bench;
 mod decode;
 mod gate;
