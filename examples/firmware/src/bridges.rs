@@ -148,11 +148,6 @@ where
         let rail = <Self as BridgeAdc<K>>::RAIL;
         (-rail < count && count < rail).then_some(count)
     }
-
-    /// Gives the driver back, to start it again.
-    pub fn stop(self) -> Ads131m08<SPI, DRDY, SYNC, CS, DELAY> {
-        self.device
-    }
 }
 
 impl<SPI, DRDY, SYNC, CS, DELAY, const K: usize> BridgeAdc<K>

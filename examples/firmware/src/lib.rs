@@ -13,7 +13,7 @@ compile_error!("a program is for one chip: choose the feature f405 or h743");
 #[cfg(feature = "program")]
 pub mod application;
 #[cfg(feature = "program")]
-pub mod beat;
+mod beat;
 #[cfg(feature = "program")]
 pub mod board;
 pub mod bridges;
@@ -36,12 +36,12 @@ pub use rtt as log;
 #[cfg(feature = "program")]
 mod self_check;
 #[cfg(feature = "program")]
-pub mod sensors;
+mod sensors;
 pub mod spindle;
 #[cfg(any(feature = "f405", feature = "h743"))]
 pub mod stm32;
 #[cfg(feature = "program")]
-pub mod strap;
+mod strap;
 pub mod tachometer;
 
 #[cfg(test)]
