@@ -98,7 +98,7 @@
 
 #![no_std]
 
-#[cfg(test)]
+#[cfg(any(test, feature = "mock"))]
 extern crate std;
 
 mod accuracy;
@@ -112,6 +112,8 @@ pub mod life;
 pub mod loads;
 pub mod log;
 pub mod marks;
+#[cfg(feature = "mock")]
+pub mod mock;
 pub mod outbox;
 pub mod pairs;
 pub mod plausibility;

@@ -13,7 +13,7 @@
 //!
 //! Forces on the balls grow no faster than all five loads together do: the contact angle opens, and more balls carry. So
 //! `s` times the loads use up `s^3` times the life at most. Twice the loads of B7005C use up 4.9 to 7.9 times as much
-//! (`host_tests/judge/tests/all/life.rs`). Where only range or rate speak against a sample, the loads are scaled into the
+//! (`examples/monitor/tests/all/life.rs`). Where only range or rate speak against a sample, the loads are scaled into the
 //! range and solved there, for the life alone. Where a sample is not solved, or not yet, the damage `d` per revolution follows from the
 //! last one that was, `d_s`:
 //!

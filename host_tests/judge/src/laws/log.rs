@@ -3,13 +3,13 @@
 //! No panic, no past but one whose checksum holds in the image, and what is written then is there at the next start.
 
 use crate::laws::common::{Ends, run_of};
-use crate::laws::flash::FailingFlash;
 use arbitrary::{Arbitrary, Result, Unstructured};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::command::MOST_PROBES;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::log::{Log, PAYLOAD};
+use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::retained::{NorFlash, Recovery, RetentionReport, VERSION};
 use spindle_monitor::{Alarm, Identity, Judgement, Life, Past, Store};
 use std::ops::Range;

@@ -2,7 +2,6 @@
 //! one, and the judge's tests replay those that were kept.
 
 pub mod common;
-pub mod flash;
 pub mod log;
 pub mod port;
 mod shaft;

@@ -1,12 +1,12 @@
 //! The recorded cycle, a row a tick, with the shipped settings.
 
-use super::monitor::Rig;
 use cli::milling_cycle::{CRASH, Place, recorded};
 use cli::telemetry::simulated::MONITOR;
 use spindle_file::loads::LoadRow;
-use spindle_firmware::spindle::ROWS;
+use spindle_firmware::spindle::{ROWS, SPINDLE};
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::LoadSample;
+use spindle_monitor::mock::rig::Rig;
 use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};
 
 /// A tick with a row of the recording, which carries the speed.
@@ -32,7 +32,7 @@ fn is_within(time: f64, [start, end]: [f64; 2]) -> bool {
 /// thousand, an estimate may be older than seven ticks.
 #[test]
 fn every_tick_of_the_cycle_has_an_estimate_of_nine_ticks_at_most_and_its_crash_is_the_only_alarm() {
-    let mut rig = Rig::shipped();
+    let mut rig = Rig::of(&SPINDLE, &MONITOR, [0.0; 5]);
     let (mut plausible, mut stale, mut raised) = (0, Vec::new(), Vec::new());
     for row in recorded(Place::Nose) {
         // Somebody sees to it in the next second.

@@ -151,6 +151,7 @@ fn each_test_that_the_page_on_safety_names_is_there() {
         "../../examples/firmware/twin/src",
         "../../examples/cli/src",
         "../../examples/monitor/src",
+        "../../examples/monitor/tests",
     ];
     let tests = folders.map(|folder| sources(&here.join(folder))).concat();
     let names = SAFETY.split('`').skip(1).step_by(2);

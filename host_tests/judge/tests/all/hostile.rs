@@ -1,6 +1,5 @@
 //! A hundred thousand damaged streams, into the board and into the host.
 
-use super::monitor::{IDLE, Rig, SETTINGS, SPEED};
 use super::telemetry::{cycle, decoded, frames_of};
 use cli::random::Random;
 use cli::telemetry::decoder::{Decoder, Event};
@@ -8,6 +7,7 @@ use cli::telemetry::state::State;
 use rayon::prelude::*;
 use spindle_monitor::command::{self, Command, Order, PortReader, Received, Request};
 use spindle_monitor::loads::{FramedLoads, LoadSource};
+use spindle_monitor::mock::rig::{IDLE, Rig, SETTINGS, SPEED};
 use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::{Alarm, Readings};
 use std::collections::HashSet;

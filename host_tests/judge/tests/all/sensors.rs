@@ -1,6 +1,5 @@
 //! Strain bridges, their converter and its bus, and the tachometer.
 
-use crate::monitor::{IDLE, Rig, SETTINGS, SPEED, assert_near, at_speed};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
@@ -13,6 +12,7 @@ use spindle_firmware::bus::Bus;
 use spindle_firmware::spindle::TACHOMETER;
 use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedError, SpeedSource};
 use spindle_monitor::loads::{LoadSample, LoadSource};
+use spindle_monitor::mock::rig::{IDLE, Rig, SETTINGS, SPEED, at_speed};
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings};
 use std::array;
 use std::collections::VecDeque;
@@ -97,7 +97,7 @@ fn assert_sample(bridge: &mut Bridges, raw: [i32; 6], load: [f32; 5]) -> LoadSam
     let sample = bridge.sample(0).unwrap().unwrap();
     assert!(sample.doubts.is_empty());
     for (got, truth) in sample.load.iter().zip(load) {
-        assert_near("load", *got, truth, 0.02);
+        assert!((got - truth).abs() < 0.02, "{got}, not {truth}");
     }
     sample
 }

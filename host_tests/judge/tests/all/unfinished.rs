@@ -1,6 +1,5 @@
 //! Solves that are stopped: the states that they have reached, and how the next one goes on from there.
 
-use super::cutting::{TICKS, cuts};
 use super::solves::{SKEW, lengths, vector_error};
 use cli::milling_cycle::{Place, recorded};
 use cli::random::Random;
@@ -13,6 +12,7 @@ use spindle_bearing::{
     SpindleSolution, SpindleSolver, SprungSpindle, Status, Support,
 };
 use spindle_firmware::spindle;
+use spindle_monitor::mock::cuts::{TICKS, cuts};
 use std::f64::consts::TAU;
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.

@@ -1,9 +1,9 @@
 //! Law of `monitor::log`: a start finds the newest record that was verified, or a complete one that was begun since.
 
-use cli::random::Random;
-use judge::laws::flash::{ERASE, FailingFlash, Leftover};
+use super::random::Random;
 use proptest::prelude::*;
 use spindle_monitor::log::{Counts, Log, PAYLOAD, WriteError};
+use spindle_monitor::mock::flash::{ERASE, FailingFlash, Leftover};
 use std::ops::Range;
 
 const SECTOR: usize = 1024;

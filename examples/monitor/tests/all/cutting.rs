@@ -1,10 +1,6 @@
 //! The monitor while it cuts: teeth that pass, overloads, crashes, and faults that leave it blind.
 
-use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_nose, at_speed};
-use cli::milling_cycle::{curve, tooth};
-use cli::telemetry::simulated::MONITOR;
-use judge::cases::B7005C;
-use rayon::prelude::*;
+use super::spindle::{MONITOR, at_nose, shipped};
 use spindle_bearing::{
     Arrangement, ElasticSpindle, Facing, Material, Mounted, Preload, Section, Shaft, Spindle,
     Support,
@@ -12,6 +8,10 @@ use spindle_bearing::{
 use spindle_monitor::board::Check;
 use spindle_monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
 use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::mock::cuts::{Cut, TICKS, cuts, tooth};
+use spindle_monitor::mock::rig::{
+    B7005C, BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed,
+};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, BoardReport, Mark, Outcome, Readings};
 
@@ -25,65 +25,6 @@ fn ages<const R: usize, const E: usize>(rig: Rig<R, E>, load: impl Fn(u32) -> [f
         oldest = oldest.max(outcome.age.unwrap());
     }
     oldest
-}
-
-/// Ticks of a cut, 1 ms each.
-pub(super) const TICKS: u32 = 3000;
-
-/// Teeth that have passed at a tick: a little off the rate of the ticks, which thereby meet every part of a half-sine.
-pub(super) fn passed(tick: u32, per_second: f64) -> f64 {
-    per_second * 1.0007e-3 * f64::from(tick)
-}
-
-/// Teeth or ramps.
-pub(super) struct Cut {
-    name: String,
-    /// Force at a tick, N.
-    pub(super) force: Box<dyn Fn(u32) -> [f64; 3] + Send + Sync>,
-}
-
-/// Cuts of all kinds.
-pub(super) fn cuts() -> Vec<Cut> {
-    let mut cuts = Vec::new();
-    // Teeth follow each other without a pause, or with one as long as a tooth's time in the cut.
-    for per_second in [50.0, 125.0, 200.0, 400.0] {
-        for amplitude in [200.0, 500.0, 1000.0] {
-            for in_cut in [1.0, 0.5] {
-                let part = move |tick| tooth(passed(tick, per_second), in_cut);
-                cuts.push(Cut {
-                    name: format!("{per_second} teeth/s of {amplitude} N, {in_cut} in the cut"),
-                    force: Box::new(move |tick| [0.0, amplitude * part(tick), 0.0]),
-                });
-            }
-        }
-    }
-    // From idling to so much more and back, along the shaft and in each radial direction.
-    const FORCE: f64 = 2500.0;
-    /// At each end, ms: not in step with the ticks.
-    const PAUSE: f64 = 20.3;
-    for rate in [50.0, 100.0, 200.0] {
-        for along in [
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [0.0, -1.0, 0.0],
-            [0.0, 0.0, 1.0],
-            [0.0, 0.0, -1.0],
-            [0.0, 0.6, 0.8],
-        ] {
-            let rise = FORCE / rate;
-            let [up, high, low] = [PAUSE, PAUSE + rise, 2.0 * PAUSE + rise];
-            let course = [(up, 0.0), (high, FORCE), (low, FORCE), (low + rise, 0.0)];
-            let force = move |tick| {
-                let at = f64::from(tick) % (2.0 * (rise + PAUSE));
-                along.map(|part| part * curve(&course, at, |part| part))
-            };
-            cuts.push(Cut {
-                name: format!("{rate} N/ms along {along:?}"),
-                force: Box::new(force),
-            });
-        }
-    }
-    cuts
 }
 
 /// Two pairs back to back, where the shipped spindle has two bearings.
@@ -140,15 +81,15 @@ fn estimates_under_passing_teeth_and_ramps_are_a_few_ticks_old_at_most() {
         let at_nose = |tick| at_nose(force(tick));
         let oldest = [
             ages(Rig::new(&ON_BEARING), on_bearing),
-            ages(counted(Rig::shipped()), at_nose),
-            ages(Rig::shipped(), at_nose),
+            ages(counted(shipped()), at_nose),
+            ages(shipped(), at_nose),
             ages(counted(Rig::of(&FOUR, &OF_FOUR, [0.0; 5])), at_nose),
         ];
         let most = [2, 4, 9, 7];
         let is_old = oldest.iter().zip(most).any(|(age, most)| *age > most);
         is_old.then_some((name, oldest))
     };
-    let old: Vec<_> = cuts().into_par_iter().filter_map(old).collect();
+    let old: Vec<_> = cuts().into_iter().filter_map(old).collect();
     assert!(old.is_empty(), "{old:?}");
 }
 
@@ -204,7 +145,7 @@ fn an_overload_needs_no_equilibrium_but_more_than_a_sample() {
     for ([low, high], overload) in bounds {
         assert!(overload <= high.max(-low));
     }
-    let mut rig = Rig::shipped().run_up();
+    let mut rig = shipped().run_up();
     let sample = |tick| if tick == 3 { 2e3 } else { 0.0 };
     assert!(!raises(&mut rig, Alarm::Overload, 20, sample));
     assert!(raises(&mut rig, Alarm::Overload, 5, |_| 2e3));
@@ -215,7 +156,7 @@ fn an_overload_needs_no_equilibrium_but_more_than_a_sample() {
 #[test]
 fn an_overload_takes_pc7_away_within_four_ticks_whatever_the_estimate() {
     for estimated in [true, false] {
-        let mut rig = Rig::shipped();
+        let mut rig = shipped();
         if estimated {
             rig = rig.run_up();
         }

@@ -1,13 +1,11 @@
 //! Rating life that the monitor counts, against the life under the loads as they are.
 
-use super::cutting::passed;
-use super::monitor::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
-use cli::milling_cycle::tooth;
-use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Bearing, Design, LifeRating, Preload, RatingLife, Settings, Solver, Speed,
     Spindle, SpindleSolver,
 };
+use spindle_monitor::mock::cuts::{passed, tooth};
+use spindle_monitor::mock::rig::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Life, Mark, Marks, Readings};
 
@@ -60,7 +58,7 @@ fn life_under_passing_teeth_is_that_of_their_loads_to_5_per_cent() {
         cases.extend([200.0, 500.0, 1000.0].map(|amplitude| (per_second, amplitude)));
     }
     let off: Vec<_> = cases
-        .into_par_iter()
+        .into_iter()
         .map(|(per_second, amplitude)| {
             let amplitude = [0.0, amplitude, 0.0, 0.0, 0.0];
             let (ratio, _) = counted(&ON_BEARING, 1000, |tick| teeth(tick, per_second, amplitude));
@@ -91,7 +89,7 @@ fn life_through_overloads_is_right_to_a_tenth_below_and_six_tenths_above() {
     // 15 kN/ms: no shaft does that, and the monitor counts 1.34 times the truth.
     cases.retain(|(per_second, [_, fy, ..])| *per_second < 400.0 || *fy < 12_000.0);
     let off: Vec<_> = cases
-        .into_par_iter()
+        .into_iter()
         .map(|(per_second, amplitude)| {
             let load = |tick: u32| match per_second {
                 // At once, and for good.

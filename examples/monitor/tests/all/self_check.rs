@@ -1,17 +1,20 @@
 //! The solve whose answer is known, on the shipped spindle.
 
-use super::monitor::{Rig, SPEED};
-use spindle_firmware::spindle::{BALLS, FREEDOMS, JOINTS, KNOWN_LOAD, ROWS, SPINDLE};
+use super::spindle::{SPINDLE, shipped};
 use spindle_monitor::BoardReport;
 use spindle_monitor::board::Check;
+use spindle_monitor::mock::rig::SPEED;
 use spindle_monitor::self_check::KnownAnswer;
 
-fn known(preload: f32) -> KnownAnswer<'static, ROWS, BALLS, FREEDOMS, JOINTS> {
+/// The preload, N.
+const KNOWN_LOAD: f32 = 250.0;
+
+fn known(preload: f32) -> KnownAnswer<'static, 2, 16, 5, 2> {
     KnownAnswer::new(&SPINDLE, preload, Box::leak(Box::default()))
 }
 
 /// The answer's checksum, and the steps to it.
-fn answer(known: &mut KnownAnswer<'_, ROWS, BALLS, FREEDOMS, JOINTS>) -> (u32, usize) {
+fn answer(known: &mut KnownAnswer<'_, 2, 16, 5, 2>) -> (u32, usize) {
     let mut steps = 1;
     loop {
         match known.step() {
@@ -39,7 +42,7 @@ fn a_known_answer_is_the_same_every_time_and_another_one_for_another_load() {
 #[test]
 fn a_wrong_answer_is_a_failed_check_that_takes_pc8_away_for_good() {
     let expected = answer(&mut known(KNOWN_LOAD)).0;
-    let mut rig = Rig::shipped().run_up();
+    let mut rig = shipped().run_up();
     let mut check = Check::NotYet;
     for (i, load) in [KNOWN_LOAD, KNOWN_LOAD.next_up(), KNOWN_LOAD]
         .into_iter()

@@ -1,21 +1,16 @@
 //! Life that the shipped pair's monitor counts, against the life under the load of every tick, solved in double precision.
 
-use super::monitor::Rig;
-use cli::random::Random;
-use cli::telemetry::simulated::MONITOR;
-use rayon::prelude::*;
+use super::random::Random;
+use super::spindle::{BORE, MONITOR, REACH, SECTIONS, SPINDLE};
 use spindle_bearing::{
-    LifeRating, RacewayControlFree, RatingLife, Settings, Speed, Spindle, SpindleSolver,
+    Arrangement, Bearing, Expansion, Facing, Growth, LifeRating, Material, Mounted, Preload,
+    RacewayControlFree, RatingLife, Settings, Shaft, Speed, Spindle, SpindleSolver, Support,
 };
-use spindle_file::mounting::{Visitor, board, visit};
-use spindle_file::plan::{BuildError, MOST_BALLS};
-use spindle_file::spindles::SpindleFile;
-use spindle_firmware::spindle::{ROWS, SPINDLE};
 use spindle_monitor::loads::LoadSample;
+use spindle_monitor::mock::rig::{B7005C, Rig};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Marks, Readings, TemperatureSettings};
 use std::array::from_fn;
-use std::path::Path;
 
 /// A speed (rad/s), and temperatures of the inner and of the outer side over the reference, K.
 #[derive(Debug, Clone, Copy)]
@@ -25,78 +20,58 @@ struct State {
 }
 
 /// Damage per million revolutions under each of some loads.
-struct Damages<'l> {
-    file: &'l SpindleFile,
-    state: State,
-    loads: &'l [[f32; 5]],
-    damages: &'l mut Vec<f64>,
-}
-
-impl<'p> Visitor<'p, f64> for Damages<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        spindle: Spindle<'p, f64, R, MOST_BALLS, D, E>,
-        _: f64,
-    ) -> Result<(), BuildError> {
-        let (growths, ratings) = (self.file.growths(), self.file.ratings());
-        let ratings: [LifeRating<f64>; R] = from_fn(|i| ratings[i]);
-        let State { speed, warmer } = self.state;
-        let growth = from_fn(|i| {
-            let [fixed, per_inner, per_outer, turning] = growths[i];
-            fixed + turning * (speed * speed) + per_inner * warmer[0] + per_outer * warmer[1]
-        });
-        let at = Speed::rad_per_s(speed).with_growth(growth);
-        let mut solver = SpindleSolver::<f64, R, MOST_BALLS, RacewayControlFree, D, E>::of();
-        for load in self.loads {
-            let load = load.map(f64::from);
-            let solution = solver
-                .solve(&spindle, load, at, &Settings::default())
-                .unwrap_or_else(|status| panic!("{load:?}: {status}"));
-            let weights = solution.rows().zip(&ratings).map(|(row, rating)| {
-                rating.weight_of(row.balls().map(|ball| (ball.q_i, ball.q_o)))
-            });
-            let life = RatingLife::of_weight(weights.sum(), speed);
-            self.damages.push(1.0 / life.million_revolutions);
-        }
-        Ok(())
-    }
-}
-
 fn damages(state: State, loads: &[[f32; 5]]) -> Vec<f64> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/firmware/spindle.toml");
-    let file = SpindleFile::read(file).unwrap();
-    let plan = board::plan(&file, None).unwrap();
-    let mut damages = Vec::new();
-    let visitor = Damages {
-        file: &file,
-        state,
-        loads,
-        damages: &mut damages,
+    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let shaft = Shaft::<f64, 2>::new(&SECTIONS, &Material::STEEL).unwrap();
+    let row = |position, facing| {
+        Mounted::<f64, 16>::new(&bearing, position, facing).with(Preload::Force(250.0))
     };
-    visit::<f64>(&plan, visitor).unwrap();
-    damages
+    let rows = [row(0.03, Facing::PlusX), row(0.13, Facing::MinusX)];
+    let housing = Support {
+        axial: 400e6,
+        radial: 300e6,
+        ..Support::RIGID
+    };
+    let spindle = Spindle::new(Arrangement::BackToBack, rows).unwrap();
+    let spindle = spindle.elastic(&shaft, [housing; 2]).unwrap();
+    let rating = LifeRating::<f64>::new(&B7005C, 16, B7005C.dynamic_load_rating(16));
+    let State { speed, warmer } = state;
+    let growth = Growth::by_temperatures(&B7005C, &Expansion::STEEL, REACH, warmer);
+    let growth = growth + Growth::by_rotation(&B7005C, BORE, speed);
+    let at = Speed::rad_per_s(speed).with_growth([growth; 2]);
+    let mut solver = SpindleSolver::<f64, 2, 16, RacewayControlFree, 5, 2>::of();
+    let damage = |load: &[f32; 5]| {
+        let solution = solver
+            .solve(&spindle, load.map(f64::from), at, &Settings::default())
+            .unwrap_or_else(|status| panic!("{load:?}: {status}"));
+        let weights = solution
+            .rows()
+            .map(|row| rating.weight_of(row.balls().map(|ball| (ball.q_i, ball.q_o))));
+        1.0 / RatingLife::of_weight(weights.sum(), speed).million_revolutions
+    };
+    loads.iter().map(damage).collect()
 }
 
 /// Settings of the shipped monitor with so many cycles in a tick for a solve, and temperatures that are used at once.
-fn settings(cycles: u32) -> &'static MonitorSettings<ROWS> {
+fn settings(cycles: u32) -> &'static MonitorSettings<2> {
     let mut settings = MONITOR;
     settings.tick.deadline_cycles = settings.tick.cost.tick + cycles;
     settings.temperatures = settings
         .temperatures
         .map(|t| TemperatureSettings { rate: 1e3, ..t });
     settings.check().unwrap();
-    assert!(settings.tick.has_time(ROWS, 16));
+    assert!(settings.tick.has_time(2, 16));
     Box::leak(Box::new(settings))
 }
 
 /// A spindle that turns, and what its monitor is told.
 struct Bench {
-    rig: Rig<ROWS, ROWS>,
+    rig: Rig<2, 2>,
     state: State,
 }
 
 impl Bench {
-    fn new(settings: &'static MonitorSettings<ROWS>, state: State) -> Self {
+    fn new(settings: &'static MonitorSettings<2>, state: State) -> Self {
         let rig = Rig::of(&SPINDLE, settings, [0.0; 5]);
         Self { rig, state }
     }
@@ -226,7 +201,7 @@ fn life_between_solves_is_that_of_the_loads_to_a_tenth_below_and_15_per_cent_abo
     let judge = |state: State| {
         let of_pattern = |(what, loads): &(&'static str, Vec<[f32; 5]>)| {
             let truth = damages(state, loads);
-            let of_settings = |(settings, ticks): (&&'static MonitorSettings<ROWS>, u32)| {
+            let of_settings = |(settings, ticks): (&&'static MonitorSettings<2>, u32)| {
                 let mut bench = Bench::new(settings, state);
                 if loads.len() == 1000 {
                     bench.replace_bearing();
@@ -240,7 +215,7 @@ fn life_between_solves_is_that_of_the_loads_to_a_tenth_below_and_15_per_cent_abo
         };
         patterns.iter().flat_map(of_pattern).collect::<Vec<_>>()
     };
-    let all: Vec<_> = states.into_par_iter().flat_map(judge).collect();
+    let all: Vec<_> = states.into_iter().flat_map(judge).collect();
     let off: Vec<_> = all
         .iter()
         .filter(|(.., ratio)| !(0.9..=1.15).contains(ratio))

@@ -1,8 +1,8 @@
 //! Times after which alarms are raised and cleared, with levels as often as they come.
 
-use super::monitor::{IDLE, Rig, at_speed, settings};
-use cli::telemetry::simulated::MONITOR;
+use super::spindle::{MONITOR, shipped};
 use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level, Threshold};
+use spindle_monitor::mock::rig::{IDLE, Rig, at_speed, settings};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings, TemperatureSource};
 
@@ -104,7 +104,7 @@ fn tick(rig: &mut Rig<2, 2>, temperatures: [f32; 2]) {
 #[test]
 fn a_temperature_that_is_lost_or_stuck_raises_its_alarm() {
     for (side, is_stuck) in [(0, false), (1, false), (0, true), (1, true)] {
-        let mut rig = Rig::shipped().run_up();
+        let mut rig = shipped().run_up();
         let mut reading = [24.0, 22.0];
         for _ in 0..2000 {
             tick(&mut rig, reading);
@@ -142,7 +142,7 @@ fn a_temperature_that_is_lost_or_stuck_raises_its_alarm() {
 /// Wrong for a tenth of a second after the start: 100 and 65 degrees Celsius on a cold spindle.
 #[test]
 fn temperatures_that_start_wrong_raise_no_alarm() {
-    let mut rig = Rig::shipped();
+    let mut rig = shipped();
     for ms in 0..3000 {
         let speed = 1500.0 * (ms as f32 / 1000.0).min(1.0);
         let readings = rig.idling_at(Some(speed));

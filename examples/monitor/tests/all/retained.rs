@@ -1,17 +1,14 @@
 //! Data kept by `monitor::retained`: what a record holds, when it is written, and how long the log lasts.
 
-use super::monitor::SINGLE;
-use embedded_storage::nor_flash::{NorFlash, NorFlashErrorKind, ReadNorFlash};
-use judge::cases::B7005C;
-use judge::laws::flash::FailingFlash;
-use spindle_file::spindles::SpindleFile;
-use spindle_firmware::flash;
+use embedded_storage::nor_flash::NorFlash;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
+use spindle_monitor::mock::flash::FailingFlash;
+use spindle_monitor::mock::rig::{B7005C, SINGLE};
 use spindle_monitor::response::Ratio;
 use spindle_monitor::retained::{
     Identity, LIFE_US, Past, Recovery, References, RetentionReport, Store, VERSION,
@@ -20,8 +17,6 @@ use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
 use spindle_monitor::{Judgement, Life, Marks, Monitor, Order, Readings};
-use std::fs::read_to_string;
-use std::path::Path;
 
 static SETTINGS: MonitorSettings = {
     let mut settings = MonitorSettings::new(&B7005C, 16);
@@ -669,207 +664,4 @@ fn references_of_the_probes_are_kept_with_the_spindle() {
     let board = Board::start(board.off());
     assert_eq!(board.found.references, kept);
     assert_eq!(board.store.report().references, Recovery::Recovered);
-}
-
-/// Identity of the shipped spindle, with words of its file in the place of others, or behind it.
-fn shipped(changes: &[(&str, &str)]) -> Identity {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/firmware");
-    let mut text = read_to_string(folder.join("spindle.toml")).unwrap();
-    for (from, to) in changes {
-        assert!(text.contains(from), "{from}");
-        text = match *from {
-            "" => text + to,
-            _ => text.replacen(from, to, 1),
-        };
-    }
-    let file = SpindleFile::parse("spindle.toml", &text, &folder).unwrap();
-    Identity::of(file.bearings_checksum(), file.displacements_checksum())
-}
-
-/// Firmware that is built again keeps the life: these numbers change with the shipped spindle alone. They were worked out by
-/// `zlib.crc32` of Python, of the file's numbers as single floats.
-#[test]
-fn the_shipped_spindle_has_this_identity() {
-    let identity = Identity::of(0xf9a2_cded, 0x497e_093e);
-    assert_eq!(shipped(&[]), identity);
-    assert_eq!(spindle_firmware::spindle::IDENTITY, identity);
-}
-
-#[test]
-fn another_support_keeps_the_life_and_drops_the_references_and_another_design_drops_both() {
-    use Recovery::{OtherSpindle, Recovered};
-    const BEARING: &str = "bearing = \"../spindle_file/bearings/b7005c.toml\"";
-    const DESIGN: &str = "design = { name = \"of the study\", balls = 16, ball_diameter_mm = 6.35, pitch_diameter_mm = 36.0, \
-                          inner_groove_factor = 0.515, outer_groove_factor = 0.525, contact_angle_deg = 15, \
-                          inner_shoulder_deg = 48, outer_shoulder_deg = 47.5, bore_mm = 25 }";
-    let steeper = DESIGN.replace("_deg = 15", "_deg = 15.1");
-    let lower = DESIGN.replace("_deg = 48", "_deg = 46");
-    let probe = "\n[[probe]]\nname = \"nose\"\nposition_mm = -10\nangle_deg = 90\n";
-    let accurate = format!("{probe}accuracy_um = 0.1\n");
-    let aside = probe.replace("-10", "-11");
-    let with_probe = shipped(&[("", probe)]);
-    let mut board = Board::start_as(Words::new(2), with_probe);
-    board.turn(130);
-    board.references[0] = Some(Ratio {
-        value: 1.02,
-        error: 0.01,
-    });
-    board.raise(Alarm::Overload);
-    board.stand(20);
-    let (kept, references, flash) = (board.now(), board.references, board.off());
-    assert!(kept.0.0 > 0);
-    let both = [Recovered; 2];
-    let life = [Recovered, OtherSpindle];
-    let neither = [OtherSpindle; 2];
-    type Changes<'c> = &'c [(&'c str, &'c str)];
-    let cases: [(Changes<'_>, [Recovery; 2]); 25] = [
-        (&[], both),
-        (&[("name = \"two B7005C on", "name = \"a pair on")], both),
-        (&[("# The housing.", "#")], both),
-        (&[("preload_n = 250", "preload_n = 2.5e2")], both),
-        (&[("from_mm = 0,", "from_mm = -0.0,")], both),
-        (&[("arrangement = \"back-to-back\"", "")], both),
-        (&[("[heat]", "[heat]\nring_per_k = 11.5e-6")], both),
-        (&[("fx_n = [-1700, 1700]", "fx_n = [-1500, 1500]")], both),
-        (
-            &[("[nose]\nposition_mm = 0", "[nose]\nposition_mm = -60")],
-            both,
-        ),
-        (&[(BEARING, DESIGN)], both),
-        (&[(probe, &accurate)], both),
-        (&[("axial_n_per_um = 400", "axial_n_per_um = 380")], life),
-        (&[("radial_n_per_um = 300", "radial_n_per_um = 310")], life),
-        (&[("preload_n = 250", "preload_n = 240")], life),
-        (&[("preload_n = 250", "mounted_preload_n = 250")], life),
-        (&[("position_mm = 130", "position_mm = 131")], life),
-        (&[("outer_mm = 25", "outer_mm = 26")], life),
-        (&[("grow_with_speed = true", "")], life),
-        (&[("reference_c = 20", "reference_c = 22")], life),
-        (&[("[heat]", "[heat]\nring_per_k = 12e-6")], life),
-        (
-            &[("facing = \"+x\"", "facing = \"+x\"\nradial_growth_um = 1")],
-            life,
-        ),
-        (&[(probe, &aside)], life),
-        (&[(BEARING, &steeper)], neither),
-        (&[(BEARING, &lower)], neither),
-        (&[(BEARING, "bearing = \"gmn:S6005C\"")], neither),
-    ];
-    for (changes, expected) in cases {
-        let identity = shipped(&[&[("", probe)], changes].concat());
-        let board = Board::start_as(flash.clone(), identity);
-        let report = board.store.report();
-        assert_eq!(
-            [report.recovery, report.references],
-            expected,
-            "{changes:?}"
-        );
-        let life = if expected[0] == Recovered {
-            kept
-        } else {
-            NOTHING
-        };
-        assert_eq!(board.found(), life);
-        let found = board.found.references;
-        assert_eq!(found == references, expected[1] == Recovered);
-        assert_eq!(found == References::default(), expected[1] != Recovered);
-        assert_eq!(board.found.start.boots, 2);
-    }
-    // Facings, and the place of loads.
-    let turned = [
-        ("\"back-to-back\"", "\"face-to-face\""),
-        ("\"+x\"", "\"-X\""),
-        ("\"-x\"", "\"+x\""),
-        ("\"-X\"", "\"-x\""),
-    ];
-    let facing = |to| Board::start_as(flash.clone(), to).recovery();
-    assert_eq!(
-        facing(shipped(&[&[("", probe)], &turned[..]].concat())),
-        OtherSpindle
-    );
-    let loaded = shipped(&[("", probe), ("", "[load]\nposition_mm = -60\n")]);
-    let report = Board::start_as(flash.clone(), loaded).store.report();
-    assert_eq!([report.recovery, report.references], life);
-    let belt = shipped(&[
-        ("", probe),
-        ("", "[[constant_load]]\nposition_mm = 150\nfy_n = -300\n"),
-    ]);
-    let report = Board::start_as(flash, belt).store.report();
-    assert_eq!([report.recovery, report.references], life);
-}
-
-// --- the boards' flash -------------------------------------------------------------------------
-
-/// Cells that write down what is asked of them.
-#[derive(Default)]
-struct Asked {
-    said: Vec<String>,
-    /// Calls that go well.
-    good: usize,
-}
-
-impl Asked {
-    fn say(&mut self, what: String) -> bool {
-        self.said.push(what);
-        self.said.len() <= self.good
-    }
-}
-
-impl flash::Cells for Asked {
-    const UNIT: usize = 32;
-
-    fn read(&mut self, at: u32, unit: &mut [u8]) -> bool {
-        unit.fill(at.to_le_bytes()[0]);
-        self.say(format!("read {at} {}", unit.len()))
-    }
-
-    fn program(&mut self, at: u32, unit: &[u8]) -> bool {
-        self.say(format!("program {at} {} of {}", unit.len(), unit[0]))
-    }
-
-    fn erase(&mut self, sector: u32) -> bool {
-        self.say(format!("erase {sector}"))
-    }
-}
-
-#[test]
-fn the_boards_flash_goes_unit_by_unit_and_stays_within_its_sectors() {
-    use NorFlashErrorKind::{NotAligned, Other, OutOfBounds};
-    const END: u32 = flash::SECTORS * flash::SECTOR;
-    let asked = |good| {
-        flash::Flash(Asked {
-            good,
-            ..Asked::default()
-        })
-    };
-    let mut flash = asked(9);
-    let mut bytes = [0; 64];
-    assert_eq!(flash.read(END - 64, &mut bytes), Ok(()));
-    assert_eq!((bytes[0], bytes[63]), (192, 224));
-    assert_eq!(flash.write(32, &bytes), Ok(()));
-    assert_eq!(flash.erase(flash::SECTOR, END), Ok(()));
-    assert_eq!(flash.erase(0, END), Ok(()));
-    // Nothing of these gets through.
-    assert_eq!(flash.read(END - 32, &mut bytes), Err(OutOfBounds));
-    assert_eq!(flash.write(END, &bytes), Err(OutOfBounds));
-    assert_eq!(flash.erase(0, END + flash::SECTOR), Err(OutOfBounds));
-    assert_eq!(flash.read(4, &mut bytes), Err(NotAligned));
-    assert_eq!(flash.write(32, &bytes[1..]), Err(NotAligned));
-    assert_eq!(flash.erase(0, 4096), Err(NotAligned));
-    let expected = [
-        "read 262080 32",
-        "read 262112 32",
-        "program 32 32 of 192",
-        "program 64 32 of 224",
-        "erase 1",
-        "erase 0",
-        "erase 1",
-    ];
-    assert_eq!(flash.0.said, expected);
-    // What fails ends it.
-    let mut flash = asked(1);
-    assert_eq!(flash.write(0, &bytes), Err(Other));
-    assert_eq!(flash.erase(0, END), Err(Other));
-    assert_eq!(flash.read(0, &mut bytes), Err(Other));
-    assert_eq!(flash.0.said.len(), 4);
 }

@@ -1,369 +1,24 @@
-//! The monitor under faults, and for a day.
-//!
-//! Three laws hold in every test with a [`Rig`]. No fault stops the ticks, none yields a stiffness without a mark, and no
-//! alarm is lost.
+//! The monitor under faults.
 
-use cli::milling_cycle::{Place, recorded};
-use cli::telemetry::simulated::MONITOR;
-use judge::cases::B7005C;
-use spindle_bearing::{
-    Arrangement, Facing, Mounted, RacewayControlFree, Settings, Solver, Speed, Spindle,
-    SpindleSolver,
-};
-pub(super) use spindle_firmware::spindle::BEARING_0 as BEARING;
-use spindle_firmware::spindle::{ROWS, SPINDLE};
-use spindle_monitor::command::Answer;
+use super::spindle::{MONITOR, SPINDLE, at_nose, shipped};
+use spindle_bearing::{RacewayControlFree, Settings, Solver, Speed, SpindleSolver};
 use spindle_monitor::judgement::AlarmChange;
-use spindle_monitor::loads::{FramedLoads, LoadSample, LoadSource};
+use spindle_monitor::loads::{FramedLoads, LoadSource};
+use spindle_monitor::mock::rig::{
+    B7005C, BEARING, IDLE, Rig, SETTINGS, SINGLE, SPEED, at_speed, settings,
+};
 use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::telemetry::{BallReport, EstimateReport, FrameReader, Payload, RowReport};
-use spindle_monitor::tick::{CycleCounter, Watchdog, Widened};
-use spindle_monitor::{Alarm, AlarmState, BoardReport, Mark, Marks, Monitor, Outcome, Readings};
+use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Readings};
 use std::array;
 use std::ops::Range;
 
-/// Ten passes over the row fit into a tick.
-pub(super) static SETTINGS: MonitorSettings = settings(10);
 /// One pass fits into a tick.
 static TIGHT: MonitorSettings = settings(1);
-
-/// Wide ranges: beyond them loads are no loads.
-pub(super) const fn settings(passes: u32) -> MonitorSettings {
-    let mut settings = MonitorSettings::new(&B7005C, 16);
-    settings.plausibility.load = [
-        [-10e3, 10e3],
-        [-10e3, 10e3],
-        [-10e3, 10e3],
-        [-200.0, 200.0],
-        [-200.0, 200.0],
-    ];
-    settings.plausibility.load_rate = [1e6, 1e6, 1e6, 2e4, 2e4];
-    settings.watch.overload = [10e3, 10e3, 10e3, 200.0, 200.0];
-    let cost = settings.tick.cost;
-    let cost_of = cost.of(1, 16, 16);
-    settings.tick.deadline_cycles = cost.tick
-        + cost_of.open
-        + cost_of.look
-        + cost_of.report
-        + (passes + 1) * (cost_of.step + cost_of.row);
-    settings
-}
-const _: () = assert!(SETTINGS.check().is_ok() && TIGHT.check().is_ok() && DAY.check().is_ok());
+const _: () = assert!(SETTINGS.check().is_ok() && TIGHT.check().is_ok());
 const _: () = assert!(TIGHT.tick.has_time(1, 16));
 
-/// Shipped settings of a single bearing: loads of its own, five passes in a tick.
-pub(super) static ON_BEARING: MonitorSettings = {
-    let mut settings = settings(5);
-    settings.plausibility.load = [
-        [-500.0, 3e3],
-        [-3e3, 3e3],
-        [-3e3, 3e3],
-        [-60.0, 60.0],
-        [-60.0, 60.0],
-    ];
-    settings.plausibility.load_rate = [1.2e6, 1.2e6, 1.2e6, 2e4, 2e4];
-    settings.tolerance = 5e-4;
-    settings
-};
-
-/// One bearing.
-pub(super) static SINGLE: Spindle<f32, 1, 16> = Spindle::<f32, 1, 16>::const_new(
-    Arrangement::ByRows,
-    [Mounted::new(&BEARING, 0.0, Facing::PlusX)],
-);
-
-pub(super) const IDLE: [f32; 5] = [420.0, 5.0, -8.0, 0.05, -0.1];
-pub(super) const SPEED: f32 = 1500.0;
-
-/// Loads at the shipped spindle's nose. A cutter 50 mm in front of it puts this force (N) onto the front bearing.
-pub(super) fn at_nose(force: [f64; 3]) -> [f32; 5] {
-    let [x, y, z] = force.map(|force| 0.55 * force);
-    [x, y, z, 0.05 * z, -0.05 * y].map(|load| load as f32)
-}
-
-/// Readings of the sensors for the load, at the tests' speed.
-pub(super) fn at_speed(loads: Result<Option<LoadSample>, Marks>) -> Readings {
-    Readings {
-        loads,
-        speed: Some(Some(SPEED)),
-        temperatures: None,
-    }
-}
-
-/// Cycles as a test says.
-#[derive(Default)]
-pub(super) struct Counter {
-    now: u32,
-    /// Of a tick, and of each look.
-    cost: u32,
-    pub(super) look: u32,
-    /// Looks in this tick.
-    reads: u32,
-}
-
-impl CycleCounter for Counter {
-    fn cycles(&mut self) -> u32 {
-        self.reads += 1;
-        self.now = self.now.wrapping_add(self.look);
-        if self.reads == 2 {
-            self.now = self.now.wrapping_add(self.cost);
-        }
-        self.now
-    }
-}
-
-#[derive(Default)]
-struct Dog {
-    fed: u64,
-}
-
-impl Watchdog for Dog {
-    fn feed(&mut self) {
-        self.fed += 1;
-    }
-}
-
-/// Frames that a host has received.
-#[derive(Default)]
-pub(super) struct Host {
-    reader: FrameReader,
-    /// Counts in the last report of each alarm.
-    counts: [(u32, u32); Alarm::COUNT],
-    /// Estimates with their times, us.
-    pub(super) estimates: Vec<(u64, EstimateReport)>,
-    /// The last report of every ball and of every row.
-    balls: Vec<BallReport>,
-    rows: Vec<RowReport>,
-    pub(super) answers: Vec<Answer>,
-    /// The board's last report on itself.
-    pub(super) board: BoardReport,
-}
-
-/// A monitor, and a host at the end of its link that knows what must arrive.
-pub(super) struct Rig<const R: usize = 1, const E: usize = 0> {
-    pub(super) monitor: Monitor<R, 16, 12, 5, E>,
-    /// Loads of the idling spindle.
-    pub(super) idle: [f32; 5],
-    pub(super) counter: Counter,
-    dog: Dog,
-    pub(super) time_us: u64,
-    ticks: u64,
-    /// Rows passed for the next estimate.
-    rows: u16,
-    /// Bytes that the link takes in a tick.
-    pub(super) link: usize,
-    /// Marks of every tick, by its time in ms, and one after the other.
-    marks: Vec<Marks>,
-    doubts: Vec<Marks>,
-    /// Changes of alarms.
-    pub(super) happened: Vec<(Alarm, AlarmChange)>,
-    pub(super) host: Host,
-    jitter: f32,
-}
-
-impl Rig {
-    pub(super) fn new(settings: &'static MonitorSettings) -> Self {
-        Self::of(&SINGLE, settings, IDLE)
-    }
-
-    /// At the tests' speed.
-    pub(super) fn running(settings: &'static MonitorSettings) -> Self {
-        Self::new(settings).run_up()
-    }
-}
-
-impl Rig<ROWS, ROWS> {
-    /// The shipped spindle.
-    pub(super) fn shipped() -> Self {
-        Self::of(&SPINDLE, &MONITOR, [0.0; 5])
-    }
-}
-
-impl<const R: usize, const E: usize> Rig<R, E> {
-    pub(super) fn of(
-        spindle: &'static Spindle<'static, f32, R, 16, 5, E>,
-        settings: &'static MonitorSettings<R>,
-        idle: [f32; 5],
-    ) -> Self {
-        let mut monitor = Monitor::new(spindle, settings);
-        monitor.prepare([idle[0], 0.0, 0.0, 0.0, 0.0]).unwrap();
-        Self {
-            monitor,
-            idle,
-            counter: Counter::default(),
-            dog: Dog::default(),
-            time_us: 0,
-            ticks: 0,
-            rows: 0,
-            link: 4096,
-            marks: Vec::new(),
-            doubts: Vec::new(),
-            happened: Vec::new(),
-            host: Host::default(),
-            jitter: 0.0,
-        }
-    }
-
-    /// One tick, and the laws.
-    pub(super) fn tick(&mut self, readings: &Readings) -> Outcome {
-        self.counter.reads = 0;
-        let outcome = self
-            .monitor
-            .tick(self.time_us, readings, &mut self.counter, &mut self.dog);
-        self.ticks += 1;
-        // No fault stops the ticks.
-        assert_eq!(
-            (self.monitor.health().ticks, self.dog.fed),
-            (self.ticks, self.ticks)
-        );
-        self.rows += outcome.rows;
-        assert!(!outcome.solved || self.rows > 0, "{outcome:?}");
-        // An estimate is of a sample that was good when it came, in that many ticks before.
-        self.doubts.push(outcome.marks);
-        if outcome.solved {
-            self.rows = outcome.rows;
-            let age = outcome.age.unwrap() as usize;
-            let of_sample = self.doubts[self.doubts.len() - 1 - age];
-            let of_solve = Mark::Unsolved | Mark::NoEstimate;
-            assert!(of_sample.is_subset(of_solve), "{age}: {of_sample}");
-        }
-        self.marks.push(outcome.marks);
-        let changes = outcome.changes.iter();
-        self.happened.extend(changes.map(|c| (c.alarm, c.change)));
-        self.receive(self.link);
-        self.time_us += 1000;
-        outcome
-    }
-
-    fn receive(&mut self, bytes: usize) {
-        let host = &mut self.host;
-        for _ in 0..bytes {
-            let Some(byte) = self.monitor.outbox().next_byte() else {
-                break;
-            };
-            let Some(frame) = host.reader.push(byte) else {
-                continue;
-            };
-            let frame = frame.unwrap();
-            match frame.payload {
-                Payload::Estimate(report) => {
-                    // No stiffness without the marks of its tick.
-                    let tick = (frame.time_us / 1000) as usize;
-                    assert_eq!(report.marks, self.marks[tick]);
-                    assert!(report.stiffness.iter().all(|k| k.is_finite() && *k > 0.0));
-                    host.estimates.push((frame.time_us, report));
-                }
-                Payload::Alarm(report) => {
-                    host.counts[report.alarm as usize] = (report.raised, report.cleared);
-                }
-                Payload::Balls(report) => {
-                    host.balls.truncate(report.first.into());
-                    host.balls.extend(report.balls);
-                }
-                Payload::Rows(report) => {
-                    host.rows.truncate(report.first.into());
-                    host.rows.extend(report.rows);
-                }
-                Payload::Answer(answer) => host.answers.push(answer),
-                Payload::Hello(hello) => host.board = hello.board,
-                Payload::Health(_) | Payload::Probes(_) => {}
-            }
-        }
-    }
-
-    /// Every alarm is known at the other end of the link, by its own frame or by the counts of a later one.
-    pub(super) fn no_alarm_is_lost(&mut self) {
-        self.receive(usize::MAX);
-        assert!(self.monitor.outbox().is_empty());
-        for alarm in Alarm::ALL {
-            let count = |change| {
-                let same = |c: &&(Alarm, AlarmChange)| **c == (alarm, change);
-                self.happened.iter().filter(same).count() as u32
-            };
-            let happened = (count(AlarmChange::Raised), count(AlarmChange::Cleared));
-            assert_eq!(self.host.counts[alarm as usize], happened, "{alarm}");
-        }
-    }
-
-    /// A load that is never twice the same.
-    pub(super) fn sample(&mut self, load: [f32; 5]) -> LoadSample {
-        self.jitter = (self.jitter + 0.618_034) % 1.0;
-        LoadSample {
-            time_us: self.time_us,
-            load: load.map(|x| x * (1.0 + 1e-3 * self.jitter) + 1e-3 * self.jitter),
-            speed: None,
-            residual: 0.0,
-            doubts: Marks::new(),
-        }
-    }
-
-    /// A sample of the idling spindle with a change.
-    pub(super) fn spoilt(&mut self, spoil: impl FnOnce(&mut LoadSample)) -> Readings {
-        let mut sample = self.sample(self.idle);
-        spoil(&mut sample);
-        at_speed(Ok(Some(sample)))
-    }
-
-    pub(super) fn idling_at(&mut self, speed: Option<f32>) -> Readings {
-        Readings {
-            speed: Some(speed),
-            ..self.spoilt(|_| {})
-        }
-    }
-
-    /// A tick with this load at this speed.
-    pub(super) fn good(&mut self, load: [f32; 5], speed: f32) -> Outcome {
-        let sample = self.sample(load);
-        self.tick(&Readings {
-            speed: Some(Some(speed)),
-            ..at_speed(Ok(Some(sample)))
-        })
-    }
-
-    /// So many ticks with this load at the tests' speed.
-    pub(super) fn run(&mut self, ticks: u32, load: [f32; 5]) {
-        for _ in 0..ticks {
-            self.good(load, SPEED);
-        }
-    }
-
-    /// So many ticks do not begin.
-    pub(super) fn leave_out(&mut self, ticks: usize) {
-        let marks = self.marks.last().copied().unwrap_or_default();
-        self.marks.resize(self.marks.len() + ticks, marks);
-        self.time_us += 1000 * ticks as u64;
-    }
-
-    /// Brings the spindle to its speed, as fast as it can.
-    pub(super) fn run_up(mut self) -> Self {
-        for ms in 0..1000 {
-            self.good(self.idle, SPEED * ms as f32 / 1000.0);
-        }
-        let outcome = self.good(self.idle, SPEED);
-        assert!(outcome.marks.is_empty(), "{outcome:?}");
-        self
-    }
-
-    pub(super) fn state(&mut self, alarm: Alarm) -> AlarmState {
-        self.monitor.judgement().alarm(alarm).state()
-    }
-
-    /// Stiffness of the last report.
-    fn stiffness(&self) -> [f32; 5] {
-        self.host.estimates.last().unwrap().1.stiffness
-    }
-}
-
-impl<const R: usize, const E: usize> Drop for Rig<R, E> {
-    fn drop(&mut self) {
-        if !std::thread::panicking() {
-            self.no_alarm_is_lost();
-        }
-    }
-}
-
-pub(super) fn assert_near(what: &str, reported: f32, own: f32, within: f32) {
+fn assert_near(what: &str, reported: f32, own: f32, within: f32) {
     assert!(
         (reported - own).abs() < within,
         "{what}: {reported}, not {own}"
@@ -386,13 +41,13 @@ fn assert_stiffness(reported: [f32; 5], load: [f32; 5], within: f32) {
 /// The housing gives way: less preload is left than the rings are ground for.
 #[test]
 fn preloads_are_held_against_those_of_the_mounted_spindle() {
-    let mut rig = Rig::shipped().run_up();
+    let mut rig = shipped().run_up();
     rig.run(100, [0.0; 5]);
     let warm = rig.host.rows.iter().map(|row| row.preload);
     let warm = warm.fold(0.0, f32::max);
     let growth = rig.monitor.judgement().alarm(Alarm::PreloadGrowth);
     let growth = growth.level().value;
-    let mut solver = SpindleSolver::<f32, ROWS, 16, RacewayControlFree, 5, ROWS>::of();
+    let mut solver = SpindleSolver::<f32, 2, 16, RacewayControlFree, 5, 2>::of();
     let (cold, settings) = (Speed::rad_per_s(0.0), Settings::default());
     let mounted = solver.solve(&SPINDLE, [0.0; 5], cold, &settings).unwrap();
     for row in mounted.rows() {
@@ -404,7 +59,7 @@ fn preloads_are_held_against_those_of_the_mounted_spindle() {
 /// Warm, loaded at the nose: reports of rows and nose are as by the spindle's own solver.
 #[test]
 fn the_estimate_of_a_pair_is_its_spindles_own() {
-    let mut rig = Rig::shipped();
+    let mut rig = shipped();
     let temperatures = [31.0, 26.0];
     for ms in 0..3000 {
         let speed = SPEED * (ms as f32 / 1000.0).min(1.0);
@@ -417,7 +72,7 @@ fn the_estimate_of_a_pair_is_its_spindles_own() {
         });
     }
     let (_, report) = *rig.host.estimates.last().unwrap();
-    assert_eq!(rig.host.rows.len(), ROWS);
+    assert_eq!(rig.host.rows.len(), 2);
 
     let warmer = MONITOR
         .temperatures
@@ -466,13 +121,13 @@ fn the_estimate_of_a_pair_is_its_spindles_own() {
 /// Defect frequencies of the shipped bearings by their geometry, at 1,500 rad/s.
 #[test]
 fn passes_of_both_races_are_the_balls_times_the_shafts_turns() {
-    let mut rig = Rig::shipped().run_up();
+    let mut rig = shipped().run_up();
     rig.run(1000, at_nose([300.0, 400.0, -250.0]));
     let turns = SPEED / std::f32::consts::TAU;
     // The free contact angle.
     let ratio = (B7005C.ball_diameter / B7005C.pitch_diameter) as f32;
     let cos = 15_f32.to_radians().cos();
-    assert_eq!(rig.host.rows.len(), ROWS);
+    assert_eq!(rig.host.rows.len(), 2);
     for row in &rig.host.rows {
         let of = row.frequencies;
         let both = of.inner_race + of.outer_race;
@@ -496,7 +151,7 @@ fn stated_errors_are_those_by_the_accuracy_of_the_loads() {
         [0.0, 900.0, 0.0],
         [600.0, -100.0, 100.0],
     ] {
-        let mut rig = Rig::shipped().run_up();
+        let mut rig = shipped().run_up();
         let load = at_nose(force);
         rig.run(5000, load);
         let (_, report) = *rig.host.estimates.last().unwrap();
@@ -1028,117 +683,6 @@ fn damaged_and_lost_frames_are_counted_and_marked() {
     assert!(sample.unwrap().is_some());
     let counts = (counts.disordered, counts.lost, counts.passed_over);
     assert_eq!(counts, (2, 3, 0));
-}
-
-// --- a day --------------------------------------------------------------------------------------
-
-/// Sampled once a second; telemetry a little every minute.
-static DAY: MonitorSettings = {
-    let mut settings = settings(60);
-    settings.plausibility.missing_after_us = 2_000_000;
-    settings.plausibility.fresh_us = 2_000_000;
-    settings.telemetry.estimate_us = 10_000_000;
-    settings.telemetry.balls_us = 60_000_000;
-    settings.telemetry.health_us = 60_000_000;
-    settings
-};
-
-/// 86.4 million ticks of the recorded milling cycle, over and over: 24 hours at 1 kHz. Both timers start
-/// just before they wrap; the one of microseconds does so twenty times.
-#[test]
-fn a_day_passes_without_drift_or_overflow() {
-    const TICKS: u64 = 86_400_000;
-    // A sample every 10 ms, and 20 s in all: the monitor sees one of each second.
-    let rows: Vec<LoadSample> = recorded(Place::Bearing)
-        .iter()
-        .step_by(10)
-        .take(2000)
-        .map(|row| LoadSample {
-            time_us: 0,
-            load: row.load.map(|x| x as f32),
-            speed: Some((row.speed_rpm * std::f64::consts::PI / 30.0) as f32),
-            residual: 0.0,
-            doubts: Marks::new(),
-        })
-        .collect();
-    let per_cycle: f64 = rows
-        .iter()
-        .step_by(100)
-        .map(|row| f64::from(row.speed.unwrap()))
-        .sum::<f64>()
-        / std::f64::consts::TAU;
-
-    let mut monitor: Monitor<1, 16> = Monitor::new(&SINGLE, &DAY);
-    monitor.outbox().number_from(u32::MAX - 100);
-    let (mut counter, mut dog) = (Counter::default(), Dog::default());
-    let mut reader = FrameReader::new();
-    let start = u32::MAX - 7_000_000;
-    let mut clock = Widened::new(32, start);
-    let (mut frames, mut sequence, mut last_us) = (0_u64, u32::MAX - 101, 0);
-    let (mut used, mut seen): (Vec<f32>, Vec<[f32; 5]>) = (Vec::new(), Vec::new());
-    let mut readings = Readings {
-        loads: Ok(None),
-        speed: None,
-        temperatures: None,
-    };
-    for i in 0..TICKS {
-        let time_us = clock.at(start.wrapping_add((i as u32).wrapping_mul(1000)));
-        readings.loads = Ok((i % 1000 == 0).then(|| rows[(i / 10 % 2000) as usize]));
-        let outcome = monitor.tick(time_us, &readings, &mut counter, &mut dog);
-        if i >= 1000 {
-            assert!(outcome.marks.is_empty(), "{i}: {}", outcome.marks);
-        }
-        while let Some(byte) = monitor.outbox().next_byte() {
-            let Some(frame) = reader.push(byte) else {
-                continue;
-            };
-            let frame = frame.unwrap();
-            frames += 1;
-            sequence = sequence.wrapping_add(1);
-            assert_eq!(frame.sequence, sequence);
-            if matches!(frame.payload, Payload::Balls(_)) {
-                // A picture is sent by four balls a tick, from the sample's on.
-                assert!((i - 10..=i).contains(&(frame.time_us / 1000)));
-            } else {
-                assert!(frame.time_us >= last_us && frame.time_us == i * 1000);
-                last_us = frame.time_us;
-            }
-            // The same second of the cycle, once an hour.
-            if let Payload::Estimate(report) = frame.payload
-                && i % 3_600_000 / 10_000 == 5
-            {
-                seen.push(report.stiffness);
-                used.push(monitor.life().used());
-            }
-        }
-    }
-    let health = monitor.health();
-    assert_eq!((health.ticks, dog.fed), (TICKS, TICKS));
-    assert_eq!(
-        (health.overruns, health.missed_ticks, health.frames_dropped),
-        (0, 0, 0)
-    );
-    assert_eq!((health.estimates, health.refusals), (86_400, 0));
-    // Estimates and their rows come every ten seconds. A picture of four frames, a health report and a hello come every
-    // minute.
-    let reports = 6 * 1440;
-    assert!((17_278..=17_282).contains(&(frames - reports)), "{frames}");
-    // No drift: the same cycle gives the same stiffness, and takes the same part of the life.
-    assert_eq!(seen.len(), 24);
-    for k in &seen {
-        for (k, first) in k.iter().zip(&seen[0]) {
-            assert!((k / first - 1.0).abs() < 1e-5, "{seen:?}");
-        }
-    }
-    let hour = used[1] - used[0];
-    for pair in used.windows(2) {
-        assert!(((pair[1] - pair[0]) / hour - 1.0).abs() < 2e-3, "{used:?}");
-    }
-    let revolutions = per_cycle * 4320.0;
-    assert!(
-        (health.revolutions as f64 / revolutions - 1.0).abs() < 1e-5,
-        "{revolutions}"
-    );
 }
 
 /// Memory is what the type has: there is no other.

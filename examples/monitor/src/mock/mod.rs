@@ -1,0 +1,11 @@
+//! Mocks for tests of a board and of the monitor's laws: a flash that fails, cuts, a host at the monitor's link. They take `std`.
+//!
+//! | module | has |
+//! | --- | --- |
+//! | [`flash`] | flash in memory that fails as real ones do |
+//! | [`rig`] | a monitor, a host at its link, and laws that hold in every tick |
+//! | [`cuts`] | loads of teeth and ramps |
+
+pub mod cuts;
+pub mod flash;
+pub mod rig;

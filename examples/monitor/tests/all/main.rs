@@ -1,0 +1,12 @@
+//! The monitor's tests in one program, so that they overlap.
+
+mod alarm_times;
+mod cutting;
+mod life;
+mod life_between;
+mod log;
+mod monitor;
+mod random;
+mod retained;
+mod self_check;
+mod spindle;
