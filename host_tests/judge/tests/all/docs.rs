@@ -150,6 +150,7 @@ fn each_test_that_the_page_on_safety_names_is_there() {
         "tests/all",
         "../../examples/firmware/twin/src",
         "../../examples/cli/src",
+        "../../examples/cli/tests",
         "../../examples/monitor/src",
         "../../examples/monitor/tests",
     ];

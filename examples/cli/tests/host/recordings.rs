@@ -1,7 +1,6 @@
 //! From a recording to results: formats of files, what is refused and how, and that nothing is lost between the
 //! solver and the table.
 
-use super::solves::ask;
 use cli::fault::LoadsError;
 use cli::import::Wanted;
 use cli::random::Random;
@@ -228,7 +227,8 @@ fn every_ball_count_has_a_solver() {
         for precision in [Precision::F32, Precision::F64] {
             let plan = Plan::alone(&design, balls);
             let question = Question::load([50.0, 10.0, 0.0, 0.0, 0.0], 0.0);
-            let found = ask(&plan, Balls::Free, precision, &question).unwrap();
+            let answer = |solver: &mut dyn AnySolver| solver.answer(&question);
+            let found = with_solver(&plan, Balls::Free, precision, answer).unwrap();
             assert_eq!(found.rows[0].balls.len(), balls);
         }
     }

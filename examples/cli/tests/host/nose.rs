@@ -1,7 +1,6 @@
 //! The stiffness at the nose is what a dial gauge finds there: one force or moment more, over the displacement that it makes.
 
 use cli::replay::{Job, Table, replay};
-use judge::cases::B7005C;
 use spindle_bearing::{
     Arrangement, Bearing, Facing, Material, Mounted, Preload, RacewayControlFree, Section,
     Settings, Shaft, ShaftLoad, Speed, Spindle, SpindleSolver, Support,
@@ -11,7 +10,7 @@ use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
 use spindle_file::solvers::{Balls, Choices, with_solver};
 use spindle_file::spindles::SpindleFile;
-use spindle_firmware::spindle::BEARING_0;
+use spindle_firmware::spindle::{BEARING_0, DESIGN_0};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::settings::{MonitorSettings, ShaftSettings};
 use spindle_monitor::telemetry::{EstimateReport, FrameReader, Payload};
@@ -152,7 +151,7 @@ fn reported<const D: usize, const E: usize>(
     omega: f64,
     shaft: ShaftSettings,
 ) -> EstimateReport {
-    let mut settings = MonitorSettings::new(&B7005C, 16);
+    let mut settings = MonitorSettings::new(&DESIGN_0, 16);
     settings.shaft = shaft;
     settings.accuracy = [0.0; 5];
     settings.tolerance = 1e-3;
@@ -233,7 +232,7 @@ fn rows<T: spindle_bearing::Real>(
 #[test]
 fn the_stiffness_at_the_nose_of_a_monitor_is_a_dial_gauges_within_its_error() {
     let arrangement = Arrangement::BackToBack;
-    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
+    let bearing = Bearing::<f64, 16>::new(&DESIGN_0).unwrap();
     let section = Section {
         from: -0.06,
         to: 0.13,

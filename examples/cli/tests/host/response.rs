@@ -30,7 +30,7 @@ use std::io::Cursor;
 use std::ops::Range;
 use std::path::Path;
 
-const FILE: &str = include_str!("../../../../examples/firmware/spindle.toml");
+const FILE: &str = include_str!("../../../firmware/spindle.toml");
 /// An axial probe and a radial one, 10 mm in front of the nose.
 const PROBES: &str = "
 [[probe]]
@@ -810,7 +810,7 @@ fn a_fault_is_named_by_its_direction() {
     assert_eq!([1, 7].map(|i| named[i]), [Preload, Support(0)].map(Some));
 }
 
-/// `cargo test --profile host -p judge --test all -- --ignored --nocapture figures_of_a_thousand_runs`: some minutes.
+/// `cargo test --profile host -p cli --test host -- --ignored --nocapture figures_of_a_thousand_runs`: some minutes.
 #[test]
 #[ignore = "10 hours of cutting, and 1,000 runs"]
 fn figures_of_a_thousand_runs() {

@@ -11,10 +11,7 @@ use std::collections::BTreeMap;
 use std::io::Cursor;
 
 /// The recordings, and what is expected of each.
-const FOREIGN: &str = concat!(
-    env!("CARGO_MANIFEST_DIR"),
-    "/../../examples/cli/records/foreign"
-);
+const FOREIGN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/records/foreign");
 
 #[derive(Deserialize)]
 struct Expected {
