@@ -41,7 +41,7 @@ fn make() -> Result<()> {
     }
     let board = chosen_board();
     if let Some((folder, _)) = board {
-        // A linker finds `memory.x` there before that of the project's configuration.
+        // A linker finds `chip.x` there before that of the project's configuration.
         println!("cargo::rustc-link-search={}", here.join(folder).display());
     }
     let plan = board::plan(&file, board.map(|(_, core)| core))?;

@@ -15,7 +15,7 @@ use spindle_monitor::self_check::{PARTS, Seal};
 #[unsafe(no_mangle)]
 static IMAGE_SEAL: [u32; 4] = Seal::Open.words();
 
-// By `link.x` of cortex-m-rt and `memory.x`.
+// By `link.x` of cortex-m-rt and `chip.x`.
 unsafe extern "C" {
     static __vector_table: u8;
     static __etext: u8;

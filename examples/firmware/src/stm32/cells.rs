@@ -5,7 +5,7 @@
 use crate::flash::{SECTOR, SECTORS};
 
 unsafe extern "C" {
-    /// Where they begin, by the chip's `memory.x`: that of the other chip does not link.
+    /// Where they begin, by the chip's `chip.x`: that of the other chip does not link.
     #[cfg_attr(feature = "f405", link_name = "_retained_f405")]
     #[cfg_attr(feature = "h743", link_name = "_retained_h743")]
     static RETAINED: [u32; (SECTORS * SECTOR) as usize / 4];

@@ -11,7 +11,7 @@ use crate::stm32::cells::word;
 use crate::stm32::iwdg::feed_at_start;
 use crate::stm32::pac::{self, FLASH};
 
-/// The first of the two sectors: `memory.x` holds its address against it.
+/// The first of the two sectors: `chip.x` holds its address against it.
 const FIRST: u8 = 10;
 
 /// Looks at the busy flag before a write counts as failed: 10 ms at least.

@@ -16,7 +16,7 @@ use crate::stm32::clock::Clock;
 use crate::stm32::pac::{self, DMA2, GPIOA, RCC, USART1, USART2};
 use core::sync::atomic::{AtomicBool, Ordering};
 
-/// Received bytes. In the RAM of `memory.x`, which DMA2 reaches, and not in the CCM.
+/// Received bytes. In the RAM of `chip.x`, which DMA2 reaches, and not in the CCM.
 static RING: Ring = Ring::zeroed();
 
 /// Stream of DMA2 that has the receiver of USART1, at its channel 4 (RM0090, table 43).

@@ -14,7 +14,7 @@ use crate::stm32::pac::{self, FLASH};
 use core::arch::asm;
 use cortex_m::peripheral::SCB;
 
-/// The first of the two sectors, in its bank: `memory.x` holds its address against it.
+/// The first of the two sectors, in its bank: `chip.x` holds its address against it.
 const FIRST: u8 = 6;
 
 /// Looks at the busy flags before a write counts as failed: 10 ms at least.
