@@ -148,6 +148,7 @@ fn each_test_that_the_page_on_safety_names_is_there() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let folders = [
         "tests/all",
+        "../../examples/firmware/tests",
         "../../examples/firmware/twin/src",
         "../../examples/cli/src",
         "../../examples/cli/tests",

@@ -1,8 +1,8 @@
 //! Received bytes while the log of kept data is written: the core of an STM32F405 stands still, and the port goes on.
 
-use judge::cases::B7005C;
 use spindle_firmware::flash::{Cells, Flash, Pace, SECTOR, SECTORS};
 use spindle_firmware::receiver::{BAUD, PLACES, Receiver, Ring};
+use spindle_firmware::spindle::DESIGN_0;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::judgement::{Alarm, Levels};
 use spindle_monitor::loads::{FrameCounts, FramedLoads, LoadSource};
@@ -15,7 +15,7 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-static SETTINGS: MonitorSettings = MonitorSettings::new(&B7005C, 16);
+static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN_0, 16);
 
 const CORE_HZ: u32 = 168_000_000;
 /// Of a byte with its start and stop bit, and of a tick.
