@@ -216,8 +216,9 @@ pub fn assert_finite<T: Real>(answer: &Answer<T>) {
     assert!(figures.all(|x| x.is_finite()), "{answer:?}");
 }
 
-/// A refused input leaves a solver as it was, and a solve that found nothing leaves it without history: `probe` tells.
-/// Solvers are that after the solve, that before it, and a fresh one. The last question that was not refused.
+/// A refused input leaves a solver as it was; a solve that found nothing leaves it without history.
+///
+/// `probe` tells. Solvers are that after the solve, that before it, and a fresh one. The last question that was not refused.
 pub fn unharmed<T: Real, S, Q>(
     ended: &Status<T>,
     [after, before, fresh]: [&S; 3],
