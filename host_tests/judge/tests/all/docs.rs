@@ -154,6 +154,7 @@ fn each_test_that_the_page_on_safety_names_is_there() {
         "../../examples/cli/tests",
         "../../examples/monitor/src",
         "../../examples/monitor/tests",
+        "../../examples/spindle_file/tests",
     ];
     let tests = folders.map(|folder| sources(&here.join(folder))).concat();
     let names = SAFETY.split('`').skip(1).step_by(2);

@@ -90,3 +90,12 @@ fn numbers_are_short() {
         assert_eq!(page::shown(value), text);
     }
 }
+
+#[test]
+fn the_spindle_of_a_maker_is_asked_nothing() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/makers/spindlecad.toml");
+    let doubts = spindle_file::spindles::SpindleFile::read(file)
+        .unwrap()
+        .doubts;
+    assert!(doubts.is_empty(), "{doubts:?}");
+}

@@ -1,9 +1,9 @@
 //! Keys of `[monitor]`: the page against the reader, every key from text to number, refusals by line and column.
 
-use judge::cases::B7005C;
 use spindle_file::designs::SHIPPED;
 use spindle_file::monitors::MonitorFile;
 use spindle_file::spindles::SpindleFile;
+use spindle_monitor::mock::rig::B7005C;
 use spindle_monitor::{Alarm, MonitorSettings, TemperatureSettings};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;

@@ -1,0 +1,6 @@
+//! Tests of spindles' files: catalogue, keys, mistakes, doubts.
+
+mod catalogue;
+mod doubts;
+mod monitor_keys;
+mod wrong_files;
