@@ -173,7 +173,7 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
     let end = arguments.seconds.unwrap_or(f64::INFINITY);
     let rows = recordings::read(record_of(ROWS), None, &Wanted::default())?
         .take_while(|row| row.as_ref().map_or(true, |row| row.time_s < end));
-    let bytes = simulated::stream(&rows.collect::<Result<Vec<_>, _>>()?)?;
+    let bytes = simulated::stream(&rows.collect::<Result<Vec<_>, _>>()?);
     Ok((source::stream(Cursor::new(bytes)), None))
 }
 

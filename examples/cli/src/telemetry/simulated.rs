@@ -3,7 +3,6 @@
 //! It is the monitor of the STM32F405 with its settings, tick by tick. What takes a board is left at zero: cycles and
 //! overruns. The link takes all there is.
 
-use anyhow::Result;
 use spindle_file::loads::LoadRow;
 use spindle_firmware::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE, monitor_settings};
 use spindle_monitor::Marks;
@@ -19,11 +18,7 @@ pub static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 
 /// The bytes that the monitor sends while it samples a recording in every tick, in a straight line between two rows.
-///
-/// # Errors
-///
-/// The shipped spindle cannot be built.
-pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
+pub fn stream(rows: &[LoadRow]) -> Vec<u8> {
     let mut monitor: Monitor<ROWS, BALLS, 12, FREEDOMS, JOINTS> = Monitor::new(&SPINDLE, &MONITOR);
     // A start without a solution is one that the first ticks make up for.
     let _ = monitor.prepare(IDLE);
@@ -50,5 +45,5 @@ pub fn stream(rows: &[LoadRow]) -> Result<Vec<u8>> {
             time_us += u64::from(MONITOR.tick.period_us);
         }
     }
-    Ok(bytes)
+    bytes
 }

@@ -44,7 +44,7 @@ pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
         .take_while(|row| row.as_ref().is_ok_and(|row| row.time_s < seconds))
         .collect();
     let rows = rows.unwrap();
-    let bytes = simulated::stream(&rows).unwrap();
+    let bytes = simulated::stream(&rows);
     (rows, bytes)
 }
 
@@ -345,7 +345,7 @@ fn the_balls_at_rest_carry_the_load_that_came_in() {
     for (row, time_s) in rows.iter_mut().zip([0.0, 0.05]) {
         (row.time_s, row.load, row.speed_rpm) = (time_s, LOAD, 0.0);
     }
-    let (events, decoder) = decoded(&simulated::stream(&rows).unwrap());
+    let (events, decoder) = decoded(&simulated::stream(&rows));
     let mut state = State::default();
     for event in &events {
         state.note(event, decoder.tally());
