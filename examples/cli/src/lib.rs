@@ -2,7 +2,8 @@
 //!
 //! | modules | do |
 //! | --- | --- |
-//! | [`recordings`], [`import`], [`propose`] | recorded loads, in the project's columns or in those of other programs |
+//! | [`recordings`], [`fault`], [`times`] | recorded loads, row by row |
+//! | [`import`], [`propose`], [`quantities`], [`units`] | columns of other programs, described or proposed |
 //! | [`milling_cycle`], [`warm_up`], [`random`] | synthetic recordings |
 //! | [`replay`], [`lifetime`] | recorded loads through the solver |
 //! | [`telemetry`] | the monitor's telemetry: decoded, simulated, viewed |

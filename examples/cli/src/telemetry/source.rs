@@ -132,7 +132,7 @@ pub fn is_telemetry(tally: &Tally, port: Option<(&str, u32)>) -> Result<()> {
     }
     if tally.foreign > 0 {
         bail!(
-            "every frame is of another version than {VERSION}: use the tools of the firmware that sent it"
+            "every frame is of another version than {VERSION}: use the programs of the firmware that sent it"
         );
     }
     match port {
