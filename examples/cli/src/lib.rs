@@ -1,4 +1,4 @@
-//! What the programs share: recordings, replays, telemetry on the host, tables and pictures.
+//! Library of the programs: recordings, replays, telemetry on the host, tables and pictures.
 //!
 //! | modules | do |
 //! | --- | --- |
