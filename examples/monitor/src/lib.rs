@@ -171,10 +171,6 @@ pub struct Outcome {
     pub marks: Marks,
     /// Whether there is a new estimate.
     pub solved: bool,
-    /// Whether figures were taken of an equilibrium, of an estimate or another one.
-    pub looked: bool,
-    /// How often the counter of cycles was asked for that after the last row, for who measures rows by it.
-    pub asked: u16,
     /// Rows of balls that the solve has passed in this tick; 0 if there was nothing to solve.
     pub rows: u16,
     /// Age of the estimate in ticks, if there is one.
@@ -468,7 +464,6 @@ impl<
         let mut time = self.ticker.solve_time(counter, passed);
         let solved = self.solve(&mut time, &mut levels);
         let rows = time.rows();
-        let (looked, asked) = (time.has_looked(), time.asked());
 
         let mut marks = doubts;
         marks.extend(self.reports.is_unsolved().then_some(Mark::Unsolved));
@@ -511,8 +506,6 @@ impl<
         Outcome {
             marks,
             solved,
-            looked,
-            asked,
             rows,
             age: self.age(tick),
             changes,

@@ -129,8 +129,6 @@ pub struct SolveTime<'c, C> {
     all: u16,
     left: u16,
     looked: bool,
-    /// How often the counter was asked for a look after the last row.
-    asked: u16,
 }
 
 impl<C: CycleCounter> SolveTime<'_, C> {
@@ -160,20 +158,10 @@ impl<C: CycleCounter> SolveTime<'_, C> {
         }
     }
 
-    /// How often the counter was asked for a look after the last row.
-    pub const fn asked(&self) -> u16 {
-        self.asked
-    }
-
     /// Whether there is time to take levels and life of a row, which then goes on.
     pub fn has_a_look(&mut self) -> bool {
         let open = if self.looked { 0 } else { self.cost.open };
         self.looks(self.cost.look.saturating_add(open))
-    }
-
-    /// Whether levels and life, or a report, were taken of an equilibrium.
-    pub const fn has_looked(&self) -> bool {
-        self.looked
     }
 
     /// Whether there is time to take a report of an equilibrium, which then goes on.
@@ -183,7 +171,6 @@ impl<C: CycleCounter> SolveTime<'_, C> {
 
     fn looks(&mut self, cycles: u32) -> bool {
         self.count();
-        self.asked = self.asked.saturating_add(1);
         let has = self.spend(cycles);
         self.looked |= has;
         has
@@ -201,7 +188,6 @@ impl<C: CycleCounter> SolveTime<'_, C> {
     pub fn has_a_row_more(&mut self) -> bool {
         let SpindleCost { row, step, .. } = self.cost;
         self.rows = self.rows.saturating_add(1);
-        self.asked = 0;
         self.left = self.left.saturating_sub(1);
         self.spent = self.spent.saturating_add(row);
         self.count();
@@ -361,7 +347,6 @@ impl Ticker {
             all: self.rows,
             left: self.rows - passed % self.rows.max(1),
             looked: false,
-            asked: 0,
         }
     }
 

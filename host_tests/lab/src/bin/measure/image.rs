@@ -1,7 +1,8 @@
 //! The programs that are measured: built, and laid out in memory.
 
 use crate::timing::Core;
-use anyhow::{Context, Result};
+use addr2line::Loader;
+use anyhow::{Context, Result, anyhow};
 use cli::cross::Build;
 use judge::campaign::report::name;
 use lab::images::IMAGES;
@@ -84,6 +85,13 @@ impl Image {
         address
             .copied()
             .with_context(|| format!("the program has no symbol {name}"))
+    }
+
+    /// Its debug information.
+    pub fn lines(&self) -> Result<Loader> {
+        let file = tempfile::NamedTempFile::new()?;
+        std::fs::write(&file, &self.elf)?;
+        Loader::new(file.path()).map_err(|error| anyhow!("{error}"))
     }
 
     /// Bytes of code and constants that a solve reaches, less the copying of question and answer.

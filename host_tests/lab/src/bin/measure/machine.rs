@@ -46,8 +46,9 @@ struct Watch {
     count: Count,
     /// The address behind the last block.
     end: Option<u32>,
-    /// Cycles at each look of the program at the counter.
+    /// Cycles at each look of the program at the counter, and the address of the instruction that looks.
     looks: Vec<u32>,
+    lookers: Vec<u32>,
     failure: Option<anyhow::Error>,
 }
 
@@ -92,6 +93,7 @@ impl Machine {
             count: Count::default(),
             end: None,
             looks: Vec::new(),
+            lookers: Vec::new(),
             failure: None,
         };
         // With `Mode::MCLASS` every core would be a Cortex-M33, whatever model is asked for.
@@ -123,9 +125,11 @@ impl Machine {
         let (from, to) = (address.into(), u64::from(address) + 3);
         self.uc
             .add_mem_hook(HookType::MEM_READ, from, to, move |uc, _, _, _, _| {
+                let at = uc.reg_read(RegisterARM::PC).unwrap_or_default() as u32;
                 let watch = uc.get_data_mut();
                 let cycles = watch.count.cycles as u32;
                 watch.looks.push(cycles);
+                watch.lookers.push(at);
                 uc.mem_write(from, &cycles.to_le_bytes()).is_ok()
             })?;
         Ok(())
@@ -136,11 +140,17 @@ impl Machine {
         &self.uc.get_data().looks
     }
 
+    /// Addresses of the instructions that look.
+    pub fn lookers(&self) -> &[u32] {
+        &self.uc.get_data().lookers
+    }
+
     /// Calls a function; returns its result and the counts.
     pub fn call(&mut self, function: u32) -> Result<(u32, Count)> {
         let watch = self.uc.get_data_mut();
         (watch.count, watch.end) = (Count::default(), None);
         watch.looks.clear();
+        watch.lookers.clear();
         self.uc
             .reg_write(RegisterARM::SP, (STACK.0 + STACK.1).into())?;
         self.uc.reg_write(RegisterARM::LR, (RETURN | 1).into())?;

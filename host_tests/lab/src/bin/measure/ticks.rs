@@ -8,7 +8,8 @@ use crate::image::Image;
 use crate::machine::Machine;
 use crate::table::{markdown, thousands};
 use crate::timing::Core;
-use anyhow::{Context, Result, ensure};
+use addr2line::Loader;
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use cli::milling_cycle::record_of;
 use cli::stream::{self, ROOM, Tick, faults, faults::Spoiler, records};
 use cli::telemetry::simulated::MONITOR as F405;
@@ -17,12 +18,11 @@ use lab::report::Figures;
 use rayon::prelude::*;
 use spindle_file::dispatch::Precision;
 use spindle_firmware::chain::{self, Chain};
-use spindle_firmware::spindle::{BALLS, ROWS};
-use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
+use spindle_firmware::spindle::{BALLS, PERIOD_US, ROWS, SPINDLE, monitor_settings};
 use spindle_monitor::Past;
 use spindle_monitor::record::LoadRecord;
 use spindle_monitor::settings::MonitorSettings;
-use spindle_monitor::tick::{self, CycleCounter, NoWatchdog};
+use spindle_monitor::tick::{self, CycleCounter, NoWatchdog, Ticker};
 use std::collections::VecDeque;
 use std::path::Path;
 
@@ -69,6 +69,29 @@ struct Board {
     constant: &'static str,
 }
 
+/// The monitor's methods that look at the counter: those of a solve's time, and the type that has the others.
+const ASKERS: [&str; 5] = [
+    "has_a_row_more",
+    "has_a_look",
+    "has_a_report",
+    "has_a_solve",
+    "Ticker",
+];
+
+/// The one of [`ASKERS`] that the instruction at an address is of, be it inlined.
+fn asker(lines: &Loader, address: u32) -> Result<&'static str> {
+    let frames = lines.find_frames(address.into());
+    let mut frames = frames.map_err(|error| anyhow!("{error}"))?;
+    while let Some(frame) = frames.next()? {
+        let function = frame.function.context("code without a name")?;
+        let name = function.raw_name()?;
+        if let Some(asker) = ASKERS.into_iter().find(|asker| name.contains(asker)) {
+            return Ok(asker);
+        }
+    }
+    bail!("nobody known looks at the counter of cycles at {address:#x}")
+}
+
 /// The cost of a tick.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cost {
@@ -85,26 +108,34 @@ struct Cost {
 }
 
 impl Cost {
-    /// Of a tick with these looks at the counter: at its begin, before the solve, before each row and after the last one, as often as
-    /// `asked` before figures are taken, and at its end. So many rows were passed `before` it.
-    fn of(cycles: u64, [rows, asked, ended]: [u32; 3], looks: &[u32], before: u32) -> Self {
-        let first = looks.len().saturating_sub(2 + (rows + asked) as usize);
-        let passes = looks.get(first..first + 1 + rows as usize);
-        let passes = passes.unwrap_or_default();
-        let mut dearest = [0; 2];
-        for (row, pair) in (before..).zip(passes.windows(2)) {
-            let is_first = row.is_multiple_of(ROWS as u32);
-            let most = &mut dearest[usize::from(!is_first)];
-            *most = (*most).max(pair[1] - pair[0]);
-        }
-        Self {
+    /// Of a tick with these looks at the counter by these askers, the first one at its begin. So many rows were passed `before` it.
+    /// The ticker grants figures at a look as it did in the tick.
+    fn of(cycles: u64, looks: &[u32], askers: &[&str], ticker: &Ticker, before: u32) -> Self {
+        let mut cost = Self {
             cycles,
-            rows,
-            dearest,
-            passes: passes.last().map_or(0, |last| last - passes[0]),
-            stepped: rows > 0 && (before + rows).is_multiple_of(ROWS as u32),
-            ended: ended != 0,
+            ..Self::default()
+        };
+        let mut shown = Looks(looks[1..].iter());
+        let mut time = ticker.solve_time(&mut shown, (before % ROWS as u32) as u16);
+        for (asker, pair) in askers[2..].iter().zip(looks[1..].windows(2)) {
+            match *asker {
+                "has_a_solve" => _ = time.has_a_solve(),
+                "has_a_look" => cost.ended |= time.has_a_look(),
+                "has_a_report" => cost.ended |= time.has_a_report(),
+                "has_a_row_more" => {
+                    let pass = pair[1] - pair[0];
+                    let is_first = (before + cost.rows).is_multiple_of(ROWS as u32);
+                    let most = &mut cost.dearest[usize::from(!is_first)];
+                    *most = (*most).max(pass);
+                    cost.passes += pass;
+                    cost.rows += 1;
+                    time.has_a_row_more();
+                }
+                _ => {}
+            }
         }
+        cost.stepped = cost.rows > 0 && (before + cost.rows).is_multiple_of(ROWS as u32);
+        cost
     }
 }
 
@@ -152,6 +183,8 @@ impl Board {
         let output = image.symbol("MEASURED_OUTPUT")?;
         let words = image.symbol("MEASURED_TICK")?;
         machine.count_at(image.symbol("MEASURED_CYCLES")?)?;
+        let lines = image.lines()?;
+        let ticker = Ticker::new(&self.settings.tick, &SPINDLE.ball_counts());
         let (mut all, mut passed) = (Vec::with_capacity(ticks.len()), 0);
         for (number, tick) in ticks.iter().enumerate() {
             ensure!(
@@ -159,18 +192,20 @@ impl Board {
                 "tick {number} has more bytes than the measured program has room for"
             );
             machine.write(input, &tick.bytes)?;
-            let asked = [tick.bytes.len() as u32, tick.room.into(), 0, 0, 0];
+            let asked = [tick.bytes.len() as u32, tick.room.into(), 0];
             machine.write(words, &asked.map(u32::to_le_bytes).concat())?;
             let (_, count) = machine.call(entry)?;
             let sent = machine.word(words + 8)? as usize;
+            let looks = machine.looks();
             ensure!(
-                machine.read(output, sent)? == host(tick, machine.looks()),
+                machine.read(output, sent)? == host(tick, looks),
                 "tick {number}: the core's telemetry is not the host's"
             );
-            let (rows, looked) = (machine.word(words + 12)?, machine.word(words + 16)?);
-            let outcome = [rows, looked >> 1, looked & 1];
-            all.push(Cost::of(count.cycles, outcome, machine.looks(), passed));
-            passed += outcome[0];
+            let askers = machine.lookers().iter().map(|at| asker(&lines, *at));
+            let askers = askers.collect::<Result<Vec<_>>>()?;
+            let cost = Cost::of(count.cycles, looks, &askers, &ticker, passed);
+            passed += cost.rows;
+            all.push(cost);
         }
         Ok(Costs { board: self, all })
     }
@@ -399,10 +434,26 @@ mod tests {
 
     #[test]
     fn passes_are_between_looks_at_the_counter() {
-        // A pair, whose next row is the second one, with a look at the counter more before a solve begins.
-        let cost = Cost::of(1000, [3, 1, 1], &[10, 90, 100, 150, 250, 300, 320, 900], 1);
-        assert_eq!((cost.dearest, cost.passes), ([100, 50], 200));
-        let cost = Cost::of(500, [0; 3], &[10, 100, 400], 0);
+        let ticker = Ticker::new(&F405.tick, &SPINDLE.ball_counts());
+        let [first, row] = ["Ticker", "has_a_row_more"];
+        let askers = [
+            first,
+            first,
+            "has_a_solve",
+            row,
+            row,
+            row,
+            "has_a_look",
+            first,
+        ];
+        // A pair, whose next row is the second one. Figures are taken of its equilibrium, or no time is left for them.
+        for (look, ended) in [(320, true), (150_000, false)] {
+            let looks = [10, 90, 100, 150, 250, 300, look, 160_000];
+            let cost = Cost::of(1000, &looks, &askers, &ticker, 1);
+            assert_eq!((cost.dearest, cost.passes), ([100, 50], 200));
+            assert_eq!((cost.rows, cost.ended), (3, ended));
+        }
+        let cost = Cost::of(500, &[10, 100, 400], &[first; 3], &ticker, 0);
         assert_eq!((cost.dearest, cost.passes), ([0; 2], 0));
     }
 
