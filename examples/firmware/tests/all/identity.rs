@@ -1,11 +1,14 @@
 //! Whose data a board keeps: the shipped spindle's identity, and the changes of its file that keep it.
 
+use super::spindle::{MONITOR, SPINDLE};
 use spindle_file::spindles::SpindleFile;
+use spindle_firmware::spindle;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::response::Ratio;
 use spindle_monitor::retained::{Recovery, References};
+use spindle_monitor::tick::Core;
 use spindle_monitor::{Alarm, Identity, Judgement, Life, Store};
 use std::fs::read_to_string;
 use std::path::Path;
@@ -34,7 +37,18 @@ fn shipped(changes: &[(&str, &str)]) -> Identity {
 fn the_shipped_spindle_has_this_identity() {
     let identity = Identity::of(0xf9a2_cded, 0x497e_093e);
     assert_eq!(shipped(&[]), identity);
-    assert_eq!(spindle_firmware::spindle::IDENTITY, identity);
+    assert_eq!(spindle::IDENTITY, identity);
+}
+
+/// They are below what reads the file.
+#[test]
+fn the_monitors_tests_have_the_shipped_spindle() {
+    let of_file = (
+        spindle::SPINDLE,
+        spindle::monitor_settings(&Core::STM32F405),
+    );
+    let by_hand = (SPINDLE, &MONITOR);
+    assert_eq!(format!("{by_hand:?}"), format!("{of_file:?}"));
 }
 
 #[test]
