@@ -1,7 +1,7 @@
 //! Law of `monitor::log`: a start finds the newest record that was verified, or a complete one that was begun since.
 
-use super::random::Random;
 use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestRng};
 use spindle_monitor::log::{Counts, Log, PAYLOAD, WriteError};
 use spindle_monitor::mock::flash::{ERASE, FailingFlash, Leftover};
 use std::ops::Range;
@@ -10,11 +10,16 @@ const SECTOR: usize = 1024;
 
 type Payload = [u8; PAYLOAD];
 
+/// Random numbers that are the same in every run.
+fn seeded(seed: u64) -> TestRng {
+    TestRng::from_seed(RngAlgorithm::ChaCha, &[seed.to_le_bytes(); 4].concat())
+}
+
 /// A flash of two sectors, and the records that it must hold.
 #[derive(Clone)]
 struct Bench<const UNIT: usize> {
     flash: FailingFlash<UNIT, SECTOR>,
-    random: Random,
+    random: TestRng,
     /// Verified records, the newest last, and those begun since.
     verified: Vec<Payload>,
     begun: Vec<Payload>,
@@ -25,7 +30,7 @@ impl<const UNIT: usize> Bench<UNIT> {
     fn holding(records: usize) -> Self {
         let mut bench = Self {
             flash: FailingFlash::new(2),
-            random: Random::seeded(UNIT as u64),
+            random: seeded(UNIT as u64),
             verified: Vec::new(),
             begun: Vec::new(),
         };
@@ -45,7 +50,7 @@ impl<const UNIT: usize> Bench<UNIT> {
         }
         self.begun.clear();
         for _ in 0..records {
-            let payload = [(); PAYLOAD].map(|()| self.random.bits() as u8);
+            let payload = self.random.random();
             let written = log.counts().written;
             self.begun.push(payload);
             log.begin(&payload);
@@ -63,8 +68,8 @@ impl<const UNIT: usize> Bench<UNIT> {
 
     fn flip_bits(&mut self, bits: usize, range: Range<usize>) {
         for _ in 0..bits {
-            let at = range.start + self.random.below(range.len());
-            self.flash.bytes[at] ^= 1 << self.random.below(8);
+            let at = self.random.random_range(range.clone());
+            self.flash.bytes[at] ^= 1 << self.random.random_range(0..8);
         }
     }
 
@@ -84,8 +89,8 @@ fn ten_thousand_power_cuts_one_after_another_lose_and_invent_nothing() {
         let mut bench = Bench::<UNIT>::holding(0);
         let (mut cuts, mut between) = (0, 0);
         for _ in 0..4000 {
-            bench.flash.leftover = Leftover::ALL[bench.random.below(4)];
-            let power = 1 + bench.random.below(300);
+            bench.flash.leftover = Leftover::ALL[bench.random.random_range(0..4)];
+            let power = bench.random.random_range(1..=300);
             let counts = bench.start(Some(power), 3);
             cuts += usize::from(bench.flash.power == Some(0));
             // One copy is complete, and the other is not.
@@ -133,7 +138,7 @@ fn ten_thousand_flips_of_bits_in_a_half_lose_nothing() {
             let holding = Bench::<UNIT>::holding(records);
             for round in 0..1000 {
                 let mut bench = holding.clone();
-                bench.random = Random::seeded(round as u64);
+                bench.random = seeded(round as u64);
                 for half in [round % 2, 1 - round % 2] {
                     let bits = 1 + round % 5;
                     bench.flip_bits(bits, half * SECTOR..half * SECTOR + 100 * records);
@@ -153,7 +158,7 @@ fn ten_thousand_flips_of_bits_in_both_halves_leave_a_verified_record_or_none() {
         let holding = Bench::<4>::holding(records);
         for round in 0..2000 {
             let mut bench = holding.clone();
-            bench.random = Random::seeded(round);
+            bench.random = seeded(round);
             for half in 0..2 {
                 bench.flip_bits(2, half * SECTOR..half * SECTOR + 80 * records);
             }

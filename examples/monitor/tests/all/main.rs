@@ -6,7 +6,6 @@ mod life;
 mod life_between;
 mod log;
 mod monitor;
-mod random;
 mod retained;
 mod self_check;
 mod spindle;
