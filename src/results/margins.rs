@@ -84,7 +84,7 @@ impl Race {
     }
 }
 
-/// Limits that an equilibrium may pass, the most serious first: a contact's value, and its bound.
+/// Limits that an equilibrium may pass, by numbers that stay: a contact's value, and its bound. A new one takes the next number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(
@@ -95,22 +95,22 @@ impl Race {
 #[non_exhaustive]
 pub enum Limit {
     /// Peak contact pressure, Pa, against [`Limits::peak_pressure`].
-    PeakPressure,
+    PeakPressure = 0,
     /// Contact angle less the shoulder's angle, rad, against 0: past the edge of the shoulder there is no groove.
     /// A contact on the other side of the groove counts within a quarter turn of the shoulder.
-    Shoulder,
+    Shoulder = 1,
     /// Length that the shoulder's edge cuts off the contact ellipse, m, against 0; negative for a margin.
     /// A truncated contact has a higher pressure than the one given here. A contact past the shoulder is truncated, too.
-    Truncation,
+    Truncation = 2,
     /// Sine of the angle of a contact that lies on the other side than the free contact angle, against 0.
     ///
     /// An angular contact bearing has a low shoulder there or none. Deep groove bearings carry on both sides, and
     /// their contacts are never reversed.
-    Reversal,
+    Reversal = 3,
     /// Friction force over contact force, `T/Q`, against [`Limits::friction`]: gross slip is to be suspected.
-    Friction,
+    Friction = 4,
     /// Gap between the races of a ball that is off the inner one, m, against 0. A ball without a gap may be off, too.
-    InnerContact,
+    InnerContact = 5,
 }
 
 impl Limit {
@@ -142,7 +142,7 @@ impl Limit {
 pub struct LimitSet(u8);
 
 impl LimitSet {
-    /// One bit for each limit, in the order of [`Limit::ALL`] from the lowest.
+    /// One bit for each limit: two to the power of its number.
     pub const fn bits(self) -> u8 {
         self.0
     }
@@ -234,7 +234,7 @@ pub struct Margin<T> {
 )]
 pub struct Margins<T> {
     limits: Limits<T>,
-    /// One for each limit; of minus infinity where there is none.
+    /// One for each limit, by its number; of minus infinity where there is none.
     worst: [Margin<T>; Limit::ALL.len()],
     /// Sine and cosine of the shoulder's margin: `worst` has a measure that grows with it.
     past: Pair<T>,
@@ -265,9 +265,9 @@ impl<T: Real> Margins<T> {
 
     /// The limits whose margins are above the allowed values.
     pub fn passed(&self) -> LimitSet {
-        let worst = Limit::ALL.into_iter().zip(&self.worst);
-        let passed = worst.filter(|(limit, worst)| worst.value > self.allowed(*limit));
-        passed.fold(LimitSet::default(), |set, (limit, _)| set.with(limit))
+        let passed = |limit: &Limit| self.worst[*limit as usize].value > self.allowed(*limit);
+        let all = Limit::ALL.into_iter().filter(passed);
+        all.fold(LimitSet::default(), LimitSet::with)
     }
 
     fn allowed(&self, limit: Limit) -> T {

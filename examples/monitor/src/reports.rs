@@ -13,7 +13,6 @@ use crate::settings::{MonitorSettings, ShaftSettings, TelemetrySettings};
 use crate::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, FRAME_LENGTH,
     HelloReport, LIFT_OFF, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
-    bit_of,
 };
 use crate::tracker::{Purpose, Solved, Task};
 use core::array::from_fn;
@@ -458,9 +457,7 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     for row in rows {
         least = least.min(row.inner_force[0]);
         largest = largest.max(row.inner_force[1]);
-        for limit in row.margins.passed().iter() {
-            limits |= bit_of(limit);
-        }
+        limits |= row.margins.passed().bits();
         if opposed && !(row.force[0] > 0.0) {
             limits |= LIFT_OFF;
         }

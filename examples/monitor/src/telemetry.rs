@@ -28,10 +28,10 @@ use crate::retained::{RetentionReport, StartReport};
 use crate::temperature::TemperatureSource;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
-use spindle_bearing::{Frequencies, Limit, Status};
+use spindle_bearing::{Frequencies, Limit, LimitSet, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 10;
+pub const VERSION: u8 = 11;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -126,7 +126,7 @@ pub struct EstimateReport {
     /// Estimated relative errors of displacement, contact forces and the worst of `stiffness`: the solver's, and that by the
     /// accuracy of the loads. Where one is 1 or more, nothing is known.
     pub error: [f32; 3],
-    /// Physical limits that were passed, one bit each ([`bit_of`]), and [`LIFT_OFF`].
+    /// Physical limits that were passed, one bit each ([`LimitSet::bits`]), and [`LIFT_OFF`].
     pub limits: u8,
 }
 
@@ -155,28 +155,16 @@ impl EstimateReport {
         let bits = self.limits;
         let passed = Limit::ALL
             .into_iter()
-            .filter(move |limit| bits & bit_of(*limit) != 0);
+            .filter(move |limit| bits & LimitSet::default().with(*limit).bits() != 0);
         let lifted_off = (bits & LIFT_OFF != 0).then_some("lift-off");
         passed.map(Limit::name).chain(lifted_off)
     }
 }
 
-/// Bit of a limit in [`EstimateReport::limits`]. A new one takes the next that is free.
-pub const fn bit_of(limit: Limit) -> u8 {
-    match limit {
-        Limit::PeakPressure => 1,
-        Limit::Shoulder => 1 << 1,
-        Limit::Truncation => 1 << 2,
-        Limit::Reversal => 1 << 3,
-        Limit::Friction => 1 << 4,
-        Limit::InnerContact => 1 << 5,
-        // One of a later library, which a test asks for here.
-        _ => 0,
-    }
-}
-
 /// Bit of [`EstimateReport::limits`]: a row has lifted off, and no preload is left.
-pub const LIFT_OFF: u8 = 1 << 6;
+pub const LIFT_OFF: u8 = 1 << 7;
+
+const _: () = assert!(Limit::ALL.len() <= 7);
 
 /// Forces, preload and frequencies of the rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -659,17 +647,21 @@ mod tests {
             let number = postcard::from_bytes::<u32>(bytes).unwrap();
             assert_eq!((number, mark.name()), (1 << i, name));
         }
-        let bits = Limit::ALL.map(|limit| (bit_of(limit), limit.name()));
-        let expected = [
+        for (limits, name) in [
             (1, "peak-pressure"),
             (2, "shoulder"),
             (4, "truncation"),
             (8, "reversal"),
             (16, "friction"),
             (32, "inner-contact"),
-        ];
-        assert_eq!(bits, expected);
-        assert_eq!(LIFT_OFF, 64);
+            (128, "lift-off"),
+        ] {
+            let report = EstimateReport {
+                limits,
+                ..EstimateReport::NONE
+            };
+            assert!(report.passed().eq([name]));
+        }
     }
 
     /// Bytes of numbers of four bytes.
@@ -897,7 +889,7 @@ mod tests {
             };
             let mut bytes = [0; MESSAGE_LENGTH];
             let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-            let expected = [&[10, 0xac, 0x02, 5, number], &*content].concat();
+            let expected = [&[11, 0xac, 0x02, 5, number], &*content].concat();
             assert_eq!(bytes, expected, "{frame:?}");
         }
     }
