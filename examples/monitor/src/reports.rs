@@ -13,6 +13,7 @@ use crate::settings::{MonitorSettings, ShaftSettings, TelemetrySettings};
 use crate::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, FRAME_LENGTH,
     HelloReport, LIFT_OFF, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
+    bits_of,
 };
 use crate::tracker::{Purpose, Solved, Task};
 use core::array::from_fn;
@@ -457,7 +458,7 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     for row in rows {
         least = least.min(row.inner_force[0]);
         largest = largest.max(row.inner_force[1]);
-        limits |= row.margins.passed().bits();
+        limits |= bits_of(row.margins.passed());
         if opposed && !(row.force[0] > 0.0) {
             limits |= LIFT_OFF;
         }

@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::{Frequencies, Limit, LimitSet, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 11;
+pub const VERSION: u8 = 10;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -126,7 +126,7 @@ pub struct EstimateReport {
     /// Estimated relative errors of displacement, contact forces and the worst of `stiffness`: the solver's, and that by the
     /// accuracy of the loads. Where one is 1 or more, nothing is known.
     pub error: [f32; 3],
-    /// Physical limits that were passed, one bit each ([`LimitSet::bits`]), and [`LIFT_OFF`].
+    /// Physical limits that were passed, one bit each ([`bits_of`]), and [`LIFT_OFF`].
     pub limits: u8,
 }
 
@@ -155,16 +155,23 @@ impl EstimateReport {
         let bits = self.limits;
         let passed = Limit::ALL
             .into_iter()
-            .filter(move |limit| bits & LimitSet::default().with(*limit).bits() != 0);
+            .filter(move |limit| bits & bits_of(LimitSet::default().with(*limit)) != 0);
         let lifted_off = (bits & LIFT_OFF != 0).then_some("lift-off");
         passed.map(Limit::name).chain(lifted_off)
     }
 }
 
 /// Bit of [`EstimateReport::limits`]: a row has lifted off, and no preload is left.
-pub const LIFT_OFF: u8 = 1 << 7;
+pub const LIFT_OFF: u8 = 1 << 6;
 
 const _: () = assert!(Limit::ALL.len() <= 7);
+
+/// Bits of passed limits in [`EstimateReport::limits`]: as the library numbers them, but for the bit of [`LIFT_OFF`].
+pub const fn bits_of(passed: LimitSet) -> u8 {
+    let bits = passed.bits();
+    let below = bits & (LIFT_OFF - 1);
+    below | (bits - below) << 1
+}
 
 /// Forces, preload and frequencies of the rows.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -654,7 +661,7 @@ mod tests {
             (8, "reversal"),
             (16, "friction"),
             (32, "inner-contact"),
-            (128, "lift-off"),
+            (64, "lift-off"),
         ] {
             let report = EstimateReport {
                 limits,
@@ -889,7 +896,7 @@ mod tests {
             };
             let mut bytes = [0; MESSAGE_LENGTH];
             let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-            let expected = [&[11, 0xac, 0x02, 5, number], &*content].concat();
+            let expected = [&[10, 0xac, 0x02, 5, number], &*content].concat();
             assert_eq!(bytes, expected, "{frame:?}");
         }
     }
