@@ -11,8 +11,9 @@
 //! exactly, plus small offsets.
 
 use crate::const_math::{cbrt, sin_cos, sin_cos_turns, sqrt};
-use crate::design::{Design, DesignError, FreeContact, check};
+use crate::design::{Design, DesignError, FreeContact, check, range};
 use crate::hertz::HertzContact;
+use crate::status::Quantity;
 
 /// Distance of the groove centres, in units of length.
 pub const L0: f64 = 64.0;
@@ -125,7 +126,7 @@ pub struct Azimuth<T> {
     pub sin: T,
 }
 
-/// A bearing of `N` balls, ready to be solved in the precision `T`: immutable, made once, by the compiler where
+/// A bearing of at most `N` balls, ready to be solved in the precision `T`: immutable, made once, by the compiler where
 /// the design is known there.
 ///
 /// ```
@@ -142,7 +143,19 @@ pub struct Azimuth<T> {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Bearing<T, const N: usize> {
     pub(crate) constants: Constants<T>,
-    pub(crate) azimuths: [Azimuth<T>; N],
+    azimuths: [Azimuth<T>; N],
+    /// Number of balls, the first of `azimuths`.
+    count: u16,
+}
+
+impl<T, const N: usize> Bearing<T, N> {
+    /// Azimuths of the balls that there are.
+    pub(crate) const fn azimuths(&self) -> &[Azimuth<T>] {
+        match self.azimuths.split_at_checked(self.count as usize) {
+            Some((there, _)) => there,
+            None => &self.azimuths,
+        }
+    }
 }
 
 /// `x` rounded to a multiple of `1 / per`.
@@ -288,13 +301,27 @@ macro_rules! bearing {
     ($t:ident, $single:expr) => {
         impl<const N: usize> Bearing<$t, N> {
             /// Checks the design and computes everything that does not depend on load and speed, in doubles,
-            /// rounded once. A `const fn`.
+            /// rounded once, for `N` balls. A `const fn`.
             ///
             /// # Errors
             ///
             /// The first quantity of the design that is out of its range.
             pub const fn new(design: &Design) -> Result<Self, DesignError> {
-                let c = check!(in_doubles(design, N, $single));
+                Self::made(design, N)
+            }
+
+            pub(crate) const fn made(design: &Design, balls: usize) -> Result<Self, DesignError> {
+                if balls > N {
+                    let (value, [least, _]) = (balls as f64, range(Quantity::BallCount));
+                    let (quantity, most) = (Quantity::BallCount, N as f64);
+                    return Err(DesignError {
+                        quantity,
+                        value,
+                        least,
+                        most,
+                    });
+                }
+                let c = check!(in_doubles(design, balls, $single));
                 const fn rounded(groove: &Groove<f64>) -> Groove<$t> {
                     let [sin, cos] = groove.shoulder;
                     Groove {
@@ -341,8 +368,8 @@ macro_rules! bearing {
                 let mut azimuths = [Azimuth { cos: 0.0, sin: 0.0 }; N];
                 let (s0, c0) = sin_cos(design.first_ball);
                 let mut j = 0;
-                while j < N {
-                    let (cos, sin) = azimuth((s0, c0), j, N);
+                while j < balls {
+                    let (cos, sin) = azimuth((s0, c0), j, balls);
                     azimuths[j] = Azimuth {
                         cos: cos as $t,
                         sin: sin as $t,
@@ -352,6 +379,7 @@ macro_rules! bearing {
                 Ok(Self {
                     constants,
                     azimuths,
+                    count: balls as u16,
                 })
             }
 

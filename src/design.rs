@@ -193,7 +193,7 @@ impl core::error::Error for DesignError {}
 /// Quantities whose range is fixed. Its numbers stand here alone: the words for the compiler are made of them.
 macro_rules! ranges {
     ($($quantity:ident: $least:literal to $most:literal $unit:literal, $name:literal;)*) => {
-        const fn range(quantity: Quantity) -> [f64; 2] {
+        pub(crate) const fn range(quantity: Quantity) -> [f64; 2] {
             match quantity {
                 $(Quantity::$quantity => [$least as f64, $most as f64],)*
                 _ => [f64::NEG_INFINITY, f64::INFINITY],

@@ -168,8 +168,6 @@ pub struct Factors<T, const D: usize> {
     /// Least pivot over the diagonal element that it came of; not positive where the matrix is not
     /// positive definite.
     pub least: T,
-    /// A pivot may be nothing but the rounding of the products taken off it, one for each pivot before.
-    pub is_weak: bool,
 }
 
 impl<T: Real, const D: usize> Factors<T, D> {
@@ -177,7 +175,6 @@ impl<T: Real, const D: usize> Factors<T, D> {
     pub const NONE: Self = Self {
         lu: [[T::ZERO; D]; D],
         least: T::ZERO,
-        is_weak: false,
     };
 
     /// Takes the factors of `k` with `shift` added to its diagonal, without pivoting.
@@ -210,7 +207,15 @@ impl<T: Real, const D: usize> Factors<T, D> {
             }
         }
         self.least = least / element;
-        self.is_weak = !(self.least > T::of(D as f64 - 1.0) * T::EPSILON);
+    }
+
+    /// Whether a pivot may be nothing but the rounding of the products taken off it, one for each pivot before. The last one does not
+    /// count if that freedom `is_missing`.
+    #[inline(always)]
+    pub fn is_weak(&self, is_missing: bool) -> bool {
+        let [all, fewer] = [D - 1, D.saturating_sub(2)].map(|before| T::of(before as f64));
+        let before = if is_missing { fewer } else { all };
+        !(self.least > before * T::EPSILON)
     }
 
     /// Largest inverse pivot: about the compliance in the direction in which the matrix resists least.

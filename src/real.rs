@@ -120,8 +120,11 @@ pub trait Float:
         if other < self { other } else { self }
     }
 
-    /// `Bearing::new` in this precision.
-    fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError>;
+    /// A bearing of so many balls in this precision.
+    fn bearing<const N: usize>(
+        design: &Design,
+        balls: usize,
+    ) -> Result<Bearing<Self, N>, DesignError>;
 }
 
 impl<T: Real, const N: usize> Bearing<T, N> {
@@ -131,7 +134,25 @@ impl<T: Real, const N: usize> Bearing<T, N> {
     ///
     /// The first quantity of the design that is out of its range.
     pub fn of(design: &Design) -> Result<Self, DesignError> {
-        T::bearing(design)
+        T::bearing(design, N)
+    }
+
+    /// A bearing of so many balls, at most `N`: for programs that learn the number when they run.
+    ///
+    /// ```
+    /// use spindle_bearing::{Bearing, Design};
+    ///
+    /// let design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// assert!(Bearing::<f64, 20>::with_balls(&design, 15).is_ok());
+    /// let error = Bearing::<f64, 20>::with_balls(&design, 21);
+    /// assert_eq!(error.map_err(|error| error.most), Err(20.0));
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// The first quantity that is out of its range.
+    pub fn with_balls(design: &Design, balls: usize) -> Result<Self, DesignError> {
+        T::bearing(design, balls)
     }
 }
 
@@ -215,8 +236,11 @@ macro_rules! real {
             fn mix(self, fingerprint: u32) -> u32 {
                 mix(fingerprint, self.to_bits().into())
             }
-            fn bearing<const N: usize>(design: &Design) -> Result<Bearing<Self, N>, DesignError> {
-                Bearing::<$t, N>::new(design)
+            fn bearing<const N: usize>(
+                design: &Design,
+                balls: usize,
+            ) -> Result<Bearing<Self, N>, DesignError> {
+                Bearing::<$t, N>::made(design, balls)
             }
         }
     };

@@ -3,13 +3,13 @@
 //! `SPINDLE` in the environment names the file, from the root of the checkout on. Without it, `spindle.toml` beside this
 //! script counts. Errors are those of `cargo replay`, with line and column.
 
-use spindle_bearing::{Design, Preload, Spindle, Support};
+use spindle_bearing::{Design, Preload, Support};
 use spindle_file::monitors::MonitorFile;
-use spindle_file::mounting::{Visitor, board};
-use spindle_file::plan::{BuildError, MOST_BALLS, Plan, Row};
+use spindle_file::mounting::board;
+use spindle_file::plan::{Plan, Row};
 use spindle_file::spindles::SpindleFile;
-use spindle_monitor::ProbeSettings;
 use spindle_monitor::tick::Core;
+use spindle_monitor::{MonitorSettings, ProbeSettings};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -62,11 +62,7 @@ fn constants(file: &SpindleFile, plan: &Plan) -> Result<String> {
     spindle(&mut text, plan)?;
     sensors(&mut text, &file.monitor)?;
     probes(&mut text, file)?;
-    let settings = Settings {
-        file,
-        text: &mut text,
-    };
-    spindle_file::mounting::visit(plan, settings)?;
+    settings(&mut text, file)?;
     Ok(text)
 }
 
@@ -298,35 +294,39 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
     )?)
 }
 
-/// Writes the settings of the monitor.
-struct Settings<'f> {
-    file: &'f SpindleFile,
-    text: &'f mut String,
-}
-
-impl<'p> Visitor<'p, f32> for Settings<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        _: Spindle<'p, f32, R, MOST_BALLS, D, E>,
-        _: f64,
-    ) -> std::result::Result<(), BuildError> {
-        // Each board has a core of its own.
-        let settings = board::settings::<R>(self.file, &Core::STM32F405);
-        *self.text += &format!(
-            "/// Period of a tick, us.\n\
-             pub const PERIOD_US: u32 = {};\n\
-             /// Settings of the monitor on this core.\n\
-             pub const fn monitor_settings(core: &Core) -> MonitorSettings<ROWS> {{\n\
-             #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
-             #[allow(non_upper_case_globals)]\nconst inf: f32 = f32::INFINITY;\n\
-             let mut settings = {settings:?};\n\
-             settings.tick = TickSettings::new(PERIOD_US, core.hz, core.cost.with_probes(PROBES));\n\
-             match settings.check() {{\n\
-             Ok(()) => settings,\n\
-             Err(error) => panic!(\"{{}}\", error.field),\n\
-             }}\n}}\n",
-            settings.tick.period_us
-        );
-        Ok(())
-    }
+/// The settings of the monitor. Each board has a core of its own.
+fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
+    let MonitorSettings {
+        rows,
+        shaft,
+        temperatures,
+        tick,
+        tolerance,
+        accuracy,
+        plausibility,
+        watch,
+        alarms,
+        telemetry,
+    } = board::settings(file, &Core::STM32F405);
+    let rows = &rows[..file.plan.rows.len()];
+    Ok(writeln!(
+        text,
+        "/// Period of a tick, us.\n\
+         pub const PERIOD_US: u32 = {};\n\
+         /// Settings of the monitor on this core.\n\
+         pub const fn monitor_settings(core: &Core) -> MonitorSettings<ROWS> {{\n\
+         #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
+         #[allow(non_upper_case_globals)]\nconst inf: f32 = f32::INFINITY;\n\
+         let settings = MonitorSettings {{\n\
+         rows: {rows:?}, shaft: {shaft:?}, temperatures: {temperatures:?},\n\
+         tick: TickSettings::new(PERIOD_US, core.hz, core.cost.with_probes(PROBES)),\n\
+         tolerance: {tolerance:?}, accuracy: {accuracy:?}, plausibility: {plausibility:?},\n\
+         watch: {watch:?}, alarms: {alarms:?}, telemetry: {telemetry:?}\n\
+         }};\n\
+         match settings.check() {{\n\
+         Ok(()) => settings,\n\
+         Err(error) => panic!(\"{{}}\", error.field),\n\
+         }}\n}}",
+        tick.period_us
+    )?)
 }

@@ -39,7 +39,7 @@ pub struct Snapshot<T: Real, const R: usize, const N: usize, const D: usize = 5>
     pub stiffness: [[T; D]; D],
     /// Closure that a spring makes, m; 0 without a spring.
     pub spring_closure: T,
-    /// The rows, in their order.
+    /// The rows, in their order; beyond those of a spindle that has fewer than `R`, rows without balls.
     #[cfg_attr(feature = "serde", serde(with = "crate::serialize::array"))]
     pub rows: [RowSnapshot<T, N>; R],
 }

@@ -99,18 +99,16 @@ impl<T: Real> Directions<T> {
 
 impl<T: Real> RowSummary<T> {
     /// Takes preload and shares of the load that the rows have together.
-    pub(crate) fn share<const R: usize>(rows: &mut [Self; R], preloads: &[T; R]) {
-        let magnitudes = rows.each_ref().map(|row| {
-            let [axial, y, z] = row.force;
-            [axial.abs(), (y * y + z * z).sqrt_abs()]
-        });
+    pub(crate) fn share(rows: &mut [Self], preloads: &[T]) {
         let mut all = [T::TINY; 2];
-        for [axial, radial] in &magnitudes {
-            all = [all[0] + *axial, all[1] + *radial];
+        for row in rows.iter_mut() {
+            let [axial, y, z] = row.force;
+            row.load_share = [axial.abs(), (y * y + z * z).sqrt_abs()];
+            all = [all[0] + row.load_share[0], all[1] + row.load_share[1]];
         }
-        let of_rows = preloads.iter().zip(magnitudes);
-        for (row, (preload, [axial, radial])) in rows.iter_mut().zip(of_rows) {
+        for (row, preload) in rows.iter_mut().zip(preloads) {
             row.preload = *preload;
+            let [axial, radial] = row.load_share;
             row.load_share = [axial / all[0], radial / all[1]];
         }
     }

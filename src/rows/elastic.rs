@@ -165,8 +165,8 @@ pub fn soften<T: Real, const D: usize>(sum: &mut Sum<T, D>, springs: &[T; 5]) {
     }
 }
 
-/// Adds a row's forces and slopes about its centre to a sum of none.
-pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(&Joint<T>, &mut Sum<T, D>);
+/// Adds the forces and slopes of the row with this number, about its centre, to a sum.
+pub type AddRow<'a, T, const D: usize> = &'a mut dyn FnMut(usize, &mut Sum<T, D>);
 
 /// Folds the rows' forces and slopes to the point of the shaft that the chain leads to.
 ///
@@ -184,7 +184,7 @@ pub fn fold<T: Real, const D: usize>(
     for joint in joints {
         let deflection = deflections.get_mut(joint.row).unwrap_or(&mut scratch);
         deflection.behind_support = Sum::NONE;
-        add_row(joint, &mut deflection.behind_support);
+        add_row(joint.row, &mut deflection.behind_support);
         add(&mut deflection.force, T::ONE, &deflection.force_step);
         add(&mut deflection.carried, T::ONE, &deflection.carried_step);
         add(
@@ -214,19 +214,19 @@ pub fn fold<T: Real, const D: usize>(
     }
 }
 
-/// Adds `part` of `b` to `a`. By a call, which spares 2 kB of unrolled loops.
-#[inline(never)]
-pub fn add<T: Real, const D: usize>(a: &mut [T; D], part: T, b: &[T; D]) {
+/// Adds `part` of `b` to `a`.
+#[inline(always)]
+fn add<T: Real, const D: usize>(a: &mut [T; D], part: T, b: &[T; D]) {
     for (a, b) in a.iter_mut().zip(b) {
         let product = part * *b;
         *a += product;
     }
 }
 
-/// [`product`] by a call.
+/// Adds `b` to `a`, by a call: where it is seldom done, which spares unrolled loops.
 #[inline(never)]
-fn dot<T: Real, const D: usize>(a: &[T; D], b: &[T; D]) -> T {
-    product(a, b)
+fn add_by_call<T: Real, const D: usize>(a: &mut [T; D], b: &[T; D]) {
+    add(a, T::ONE, b);
 }
 
 /// Moves the rows along the chain by the step `du` of the section at the shaft's centre, and a relative change `ds` of `omega^2`.
@@ -306,7 +306,7 @@ pub fn diagonal<T: Real, const D: usize>(
         deflection
             .behind_support
             .soften_change(&joint.support, &mut change);
-        add(&mut side, T::ONE, &change);
+        add_by_call(&mut side, &change);
         let piece = &joint.piece;
         if piece.is_elastic() {
             lean_diagonal(piece.lean, &mut side);
@@ -317,7 +317,7 @@ pub fn diagonal<T: Real, const D: usize>(
         }
         refer_diagonal(piece.length, &mut side);
         if joint.is_last {
-            add(&mut all, T::ONE, &side);
+            add_by_call(&mut all, &side);
             side = [T::ZERO; D];
         }
     }
@@ -395,7 +395,7 @@ impl<T: Real, const D: usize> Sum<T, D> {
         let mut force = self.force;
         let slopes = self.k.iter().zip(&self.by_speed);
         for (force, (k, by_speed)) in force.iter_mut().zip(slopes) {
-            *force += dot(k, u) + ds * *by_speed;
+            *force += product(k, u) + ds * *by_speed;
         }
         force
     }
@@ -419,11 +419,12 @@ fn softened<T: Real, const D: usize>(i: usize, k: &[T; D], springs: &[T; 5], far
         let own = if j == i { T::ONE } else { T::ZERO };
         *part = *k * *spring - own;
     }
-    dot(&parts.map(|part| part * part), far)
+    product(&parts.map(|part| part * part), far)
 }
 
 impl<T: Real, const D: usize> Deflection<T, D> {
     /// Takes the deflection by constant loads alone, from a straight shaft.
+    #[inline(never)]
     pub fn straighten(&mut self, constant: &[T; 5]) {
         add(&mut self.now, T::ONE, constant);
         add(&mut self.before, T::ONE, constant);

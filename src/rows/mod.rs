@@ -53,10 +53,75 @@ pub struct Layout<'b, T, const R: usize, const SET: bool, const E: usize> {
     pub ball_count: T,
     /// Estimate of the preload at rest, in the shaft's unit of force; load scales are at least this.
     pub preload_at_rest: T,
-    /// The chain of an elastic shaft, `E = R`; a rigid one has none, `E = 0`.
+    /// The chain of an elastic shaft, `E = R`; a rigid one has none, `E = 0`. One that may be either has room for more, `E > R`.
     pub joints: [Joint<T>; E],
     /// Fingerprint of bearings and shaft: a solver that has solved others starts cold.
     pub fingerprint: u32,
+    /// Number of rows that there are, the first of `rows`. The others are the first one without balls.
+    pub count: u16,
+    /// A shaft that may be either bends, or a support gives way.
+    pub bends: bool,
+}
+
+impl<'b, T: Real, const R: usize, const SET: bool, const E: usize> Layout<'b, T, R, SET, E> {
+    /// Number of rows. Fewer than `R` are of a type that has room for more joints than rows alone: of others, as of all on a board,
+    /// the compiler knows the number, and what is left out.
+    #[inline(always)]
+    pub const fn count(&self) -> usize {
+        if E <= R || self.count as usize > R {
+            R
+        } else {
+            self.count as usize
+        }
+    }
+
+    /// The rows that there are.
+    #[inline(always)]
+    pub fn rows(&self) -> &[Placed<'b, T>] {
+        self.rows.get(..self.count()).unwrap_or(&self.rows)
+    }
+
+    /// Number of joints: one for each row if the shaft bends.
+    #[inline(always)]
+    const fn bending(&self) -> usize {
+        if self.bends() { self.count() } else { 0 }
+    }
+
+    /// Whether rows slide in a sleeve, the sixth freedom: a shaft that may be elastic or rigid may have it or not.
+    #[inline(always)]
+    pub const fn has_sleeve<const D: usize>(&self) -> bool {
+        D == 6 && (E <= R || self.sliding.is_some())
+    }
+
+    /// Whether the shaft bends.
+    #[inline(always)]
+    pub const fn bends(&self) -> bool {
+        E > 0 && (E == R || self.bends)
+    }
+
+    /// The joints, if the shaft bends.
+    #[inline(always)]
+    pub fn joints(&self) -> &[Joint<T>] {
+        self.of_joints(&self.joints)
+    }
+
+    /// As many of these, which are one for each joint, as there are joints.
+    #[inline(always)]
+    pub fn of_joints<'x, X>(&self, all: &'x [X; E]) -> &'x [X] {
+        if E == 0 {
+            return &[];
+        }
+        all.get(..self.bending()).unwrap_or_default()
+    }
+
+    /// [`Self::of_joints`] to be changed.
+    #[inline(always)]
+    pub fn of_joints_mut<'x, X>(&self, all: &'x mut [X; E]) -> &'x mut [X] {
+        if E == 0 {
+            return &mut [];
+        }
+        all.get_mut(..self.bending()).unwrap_or_default()
+    }
 }
 
 impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
@@ -80,13 +145,19 @@ impl<'b, T: Real> Layout<'b, T, 1, false, 0> {
             preload_at_rest: c.preload,
             joints: [],
             fingerprint: c.fingerprint,
+            count: 1,
+            bends: false,
         }
     }
 }
 
 impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
-    /// These rows on an elastic shaft.
-    pub const fn with_joints(self, joints: [Joint<T>; R]) -> Layout<'b, T, R, true, R> {
+    /// These rows on a shaft that may bend, and does if it `bends`.
+    pub const fn with_joints<const E: usize>(
+        self,
+        joints: [Joint<T>; E],
+        bends: bool,
+    ) -> Layout<'b, T, R, true, E> {
         let Self {
             rows,
             fixed,
@@ -96,6 +167,8 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             preload_at_rest,
             joints: [],
             fingerprint,
+            count,
+            bends: _,
         } = self;
         Layout {
             rows,
@@ -106,6 +179,8 @@ impl<'b, T: Real, const R: usize> Layout<'b, T, R, true, 0> {
             preload_at_rest,
             joints,
             fingerprint,
+            count,
+            bends,
         }
     }
 }
@@ -114,7 +189,7 @@ impl<T: Real, const N: usize> Bearing<T, N> {
     /// The bearing alone.
     #[inline(always)]
     pub(crate) fn layout(&self) -> Layout<'_, T, 1, false, 0> {
-        Layout::alone(&self.constants, &self.azimuths)
+        Layout::alone(&self.constants, self.azimuths())
     }
 }
 
@@ -173,15 +248,28 @@ pub struct Rows<'a, T, const R: usize, const SET: bool, const E: usize, const D:
 impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
     Rows<'_, T, R, SET, E, D>
 {
+    /// The rows that there are.
+    #[inline(always)]
+    fn rows(&self) -> &[Row<'_, T>] {
+        self.rows.get(..self.layout.count()).unwrap_or_default()
+    }
+
+    /// Deflections of the rows, if the shaft bends.
+    #[inline(always)]
+    pub fn deflections(&mut self) -> &mut [Deflection<T, D>] {
+        self.layout.of_joints_mut(self.deflections)
+    }
+
     /// Every row, and its motion when the shaft has the motion `v`.
     #[inline(always)]
     pub fn each(&mut self, v: &[T; D], mut f: impl FnMut(&mut Row<'_, T>, &[T; 5])) {
         // Not `zip`, which the compiler unrolls.
-        let mut deflections = self.deflections.iter();
-        for row in self.rows.iter_mut() {
+        let mut deflections = self.layout.of_joints(self.deflections).iter();
+        let rows = self.rows.get_mut(..self.layout.count());
+        for row in rows.unwrap_or_default() {
             let mut own = row.mount.motion::<D, SET>(v);
             if let Some(deflection) = deflections.next() {
-                elastic::add(&mut own, T::ONE, &row.mount.of_centre(&deflection.now));
+                row.mount.deflect(&mut own, &deflection.now);
             }
             f(row, &own);
         }
@@ -214,7 +302,7 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             pass.rows = number;
             time.is_up = !(time.more)();
         });
-        pass.rows >= R
+        pass.rows >= self.layout.count()
     }
 
     /// Sums the forces and slopes that the balls hand over.
@@ -233,14 +321,16 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             sides[usize::from(row.mount.facing < T::ZERO)] += row.mount.force * own.force[0];
             row.mount.assemble(&mut own, sum);
         };
-        let rows = &self.rows;
-        if E > 0 {
-            let mut add_row = |joint: &Joint<T>, sum: &mut Sum<T, D>| {
-                if let Some(row) = rows.get(joint.row) {
+        let layout = self.layout;
+        let rows = self.rows.get(..layout.count()).unwrap_or_default();
+        if layout.bends() {
+            let mut add_row = |row: usize, sum: &mut Sum<T, D>| {
+                if let Some(row) = rows.get(row) {
                     add(row, sum);
                 }
             };
-            elastic::fold(&self.layout.joints, self.deflections, &mut add_row, sum);
+            let deflections = layout.of_joints_mut(self.deflections);
+            elastic::fold(layout.joints(), deflections, &mut add_row, sum);
         } else {
             *sum = Sum::NONE;
             for row in rows {
@@ -248,6 +338,10 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             }
         }
         *self.preload = sides[0].at_most(sides[1]).at_least(T::ZERO);
+        if D == 6 && !layout.has_sleeve::<D>() {
+            // For the factors of a problem without displacements: no pivot of the shaft's is other by that.
+            sum.k[D - 1][D - 1] = sum.k[0][0];
+        }
     }
 
     /// Changes of the stiffness's diagonal along a step `du`, and the rest of their estimate; its force is the largest error.
@@ -258,10 +352,12 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             return (vector(|i| k[i]), estimate);
         }
         let (mut k, mut all) = ([T::ZERO; D], Estimate::<T>::NONE);
-        let mut deflections = self.deflections.iter();
+        let all_deflections = self.layout.of_joints(self.deflections);
+        let mut deflections = all_deflections.iter();
         let mut of_rows = [[T::ZERO; D]; E];
+        let of_rows = self.layout.of_joints_mut(&mut of_rows);
         let mut rows = of_rows.iter_mut();
-        for row in self.rows.iter() {
+        for row in self.rows() {
             let (mount, deflection, of_row) = (row.mount, deflections.next(), rows.next());
             let step = match deflection {
                 Some(deflection) => mount.of_centre(&deflection.moved),
@@ -289,8 +385,8 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
             all.largest = all.largest.at_least(mount.force * estimate.largest);
             all.cos = all.cos.at_most(estimate.cos);
         }
-        if E > 0 {
-            k = elastic::diagonal(&self.layout.joints, self.deflections, &of_rows);
+        if self.layout.bends() {
+            k = elastic::diagonal(self.layout.joints(), all_deflections, of_rows);
         }
         (k, all)
     }
@@ -299,8 +395,9 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
     #[cold]
     #[inline(never)]
     pub fn second_order<A: Rule>(&self, du: &[T; D]) -> T {
-        let (mut largest, mut deflections) = (T::ZERO, self.deflections.iter());
-        for row in self.rows.iter() {
+        let deflections = self.layout.of_joints(self.deflections);
+        let (mut largest, mut deflections) = (T::ZERO, deflections.iter());
+        for row in self.rows() {
             let step = match deflections.next() {
                 _ if !SET => in_full(du),
                 Some(deflection) => row.mount.of_centre(&deflection.moved),
@@ -314,13 +411,15 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
     /// Deflects shaft and supports by the step `du` of the section at the shaft's centre, and a relative change `ds` of `omega^2`.
     #[inline(always)]
     pub fn deflect(&mut self, du: &[T; D], ds: T) {
-        if E > 0 {
-            let rows = &self.layout.rows;
+        let layout = self.layout;
+        if layout.bends() {
+            let rows = layout.rows();
             let slide = |row: usize| match rows.get(row) {
                 Some(row) if D == 6 && row.mount.sliding => row.mount.facing * du[5],
                 _ => T::ZERO,
             };
-            elastic::unfold(&self.layout.joints, self.deflections, &slide, du, ds);
+            let deflections = layout.of_joints_mut(self.deflections);
+            elastic::unfold(layout.joints(), deflections, &slide, du, ds);
         }
     }
 
@@ -328,14 +427,14 @@ impl<T: Real, const R: usize, const SET: bool, const E: usize, const D: usize>
     #[cold]
     #[inline(never)]
     pub fn loaded(&self) -> u16 {
-        self.rows.iter().map(Row::loaded).sum()
+        self.rows().iter().map(Row::loaded).sum()
     }
 
     /// The ball whose contacts are furthest apart, counted on from row to row, and that angle, if its cosine is below
     /// `limit`: see [`Row::furthest`].
     pub fn furthest_apart<A: Rule>(&self, limit: T) -> Option<(u16, T)> {
         let (mut furthest, mut before) = (None::<(u16, T)>, 0);
-        for row in self.rows.iter() {
+        for row in self.rows() {
             if let Some((ball, apart)) = row.furthest::<A>(limit)
                 && furthest.is_none_or(|(_, most)| apart > most)
             {

@@ -244,6 +244,14 @@ impl<T: Real> Mount<T> {
         self.own(moved(self.facing * self.arm * self.reach, u))
     }
 
+    /// Adds the motion of its centre on a deflected shaft to the row's. By a call, which spares 1 kB of unrolled loops.
+    #[inline(never)]
+    pub fn deflect(&self, own: &mut [T; 5], centre: &[T; 5]) {
+        for (own, u) in own.iter_mut().zip(self.of_centre(centre)) {
+            *own += u;
+        }
+    }
+
     /// Adds the row's forces and slopes, at its groove plane, to the shaft's about its centre.
     #[inline(never)]
     pub fn assemble<const D: usize>(&self, own: &mut Sum<T, 5>, sum: &mut Sum<T, D>) {

@@ -252,7 +252,7 @@ impl<T: Real, M: Motion> AxialSolver<T, M> {
         Ok(AxialSolution {
             status: state.attempt.termination.status(),
             iterations: reached.iterations,
-            error: state.errors(&reached.u, self.last.rows[0].point.s),
+            error: state.errors(&reached.u, self.last.rows[0].point.s, false),
             displacement: asked.displacement_or(reached.u[0] * c.length),
             load: asked.load_or(reached.load[0] * c.force * c.balls),
             bearing,

@@ -72,7 +72,7 @@ impl<T: Real, const D: usize> State<T, D> {
         rows: &mut Rows<'_, T, R, SET, E, D>,
     ) {
         self.v = self.at;
-        for deflection in rows.deflections.iter_mut() {
+        for deflection in rows.deflections() {
             deflection.stay();
         }
     }
@@ -159,7 +159,9 @@ impl<T: Real, const D: usize> State<T, D> {
             }
             let length = norm(&du);
             if !(damping > T::ZERO) {
-                self.weak = self.factors.is_weak;
+                // No solve gives the displacement of a sleeve.
+                let is_missing = D == 6 && problem.prescribed[D - 1].is_some();
+                self.weak = self.factors.is_weak(is_missing);
             }
             if self.factors.least > T::ZERO && (is_long || length <= radius) {
                 let damped = damping > T::ZERO || is_long;
@@ -260,7 +262,7 @@ impl<T: Real, const D: usize> State<T, D> {
             let Control { radius, least, .. } = *control;
             self.attempt.back = back.is_some();
             if let Some(back) = back {
-                for deflection in rows.deflections.iter_mut() {
+                for deflection in rows.deflections() {
                     deflection.end_step();
                 }
                 let planar = moved(plane, &back);

@@ -262,7 +262,7 @@ pub struct Problem<T, const D: usize> {
     pub load: [T; D],
     /// Size of the load, or of the preload if that is larger.
     pub load_scale: T,
-    /// The displacement that is given of some freedoms.
+    /// The displacement that is given of some freedoms; 0 of a sleeve that is not there.
     pub prescribed: [Option<T>; D],
     /// No displacement is given.
     pub is_free: bool,

@@ -50,9 +50,7 @@ impl<'s, T: Real, const N: usize, M: Motion, const D: usize> Solution<'s, T, N, 
         Self {
             status: last.state.attempt.termination.status(),
             iterations: reached.iterations,
-            error: last
-                .state
-                .errors(&reached.u, last.rows[0].point.s * c.balls),
+            error: last.errors_of_state(&bearing.layout(), &reached.u),
             displacement: vector(|i| reached.u[i] * units(c, i).1),
             load: vector(|i| reached.load[i] * units(c, i).0),
             speed: Speed::rad_per_s(last.omega),

@@ -42,10 +42,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
                 }
             }
         }
+        if D == 6 && !layout.has_sleeve::<D>() {
+            problem.prescribed[D - 1] = Some(T::ZERO);
+        }
         to_centre(&mut problem);
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
-        for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(&layout.rows) {
+        for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(layout.rows()) {
             (omega, *grown) = speed_and_growth(row.bearing.c, at.speed, M::AT_SPEED, growth)?;
         }
         problem.load_scale = norm(&problem.load).at_least(layout.preload_at_rest);
@@ -61,7 +64,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         };
         let mut most = T::ZERO;
         let rows = self.rows.iter_mut().zip(grown);
-        for (Placed { bearing, mount, .. }, (row, growth)) in layout.rows.iter().zip(rows) {
+        for (Placed { bearing, mount, .. }, (row, growth)) in layout.rows().iter().zip(rows) {
             let [axial, ..] = mount.motion::<D, SET>(&self.state.u);
             let (s, size) = (s * mount.inertia, problem.load_scale / mount.force);
             most = most.at_least(
@@ -114,7 +117,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         self.state
             .refuse::<A, R, SET, E>(&rows, problem, termination)?;
         // Rounding may end a solve under a spring of next to no force, where no ball of the sleeve is pressed.
-        if D == 6 && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
+        if layout.has_sleeve::<D>() && !(self.state.sum.k[D - 1][D - 1] > T::ZERO) {
             let (loaded_balls, free) = (rows.loaded(), Quantity::Closure);
             self.state = State::COLD;
             return Err(Status::Indeterminate { loaded_balls, free });
@@ -123,7 +126,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         if let Some(error) = &reached.error
             && !(error.force <= T::ONE && error.stiffness <= T::ONE)
         {
-            let loaded_balls = self.loaded();
+            let loaded_balls = self.loaded(layout);
             let free = self.state.freest::<E>(problem);
             self.state = State::COLD;
             return Err(Status::Indeterminate { loaded_balls, free });
@@ -138,12 +141,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 
     /// Number of balls that carry.
     #[cold]
-    fn loaded(&self) -> u16 {
-        let loaded = |row: &RowState<T, N>| {
-            let balls = row.balls.iter();
+    fn loaded<const SET: bool>(&self, layout: &Layout<'_, T, R, SET, E>) -> u16 {
+        let loaded = |(row, placed): (&RowState<T, N>, &Placed<'_, T>)| {
+            let balls = row.used(&placed.bearing).iter();
             balls.filter(|ball| ball.carries(&row.point)).count()
         };
-        self.rows.iter().map(loaded).sum::<usize>() as u16
+        let rows = self.rows.iter().zip(layout.rows());
+        rows.map(loaded).sum::<usize>() as u16
     }
 }
 

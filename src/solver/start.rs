@@ -40,13 +40,13 @@ impl<T: Real> Pressing<T> {
         }
         let side = if own < T::ZERO { -T::ONE } else { T::ONE };
         let mut force = own.abs();
-        if D == 6 || rows.layout.fixed.opposed {
+        if rows.layout.has_sleeve::<D>() || rows.layout.fixed.opposed {
             return Self { force, side };
         }
         if D >= 3 {
             force += T::of(0.5) * (load[1] * load[1] + load[2] * load[2]).sqrt_abs();
         }
-        if D == 5 {
+        if D >= 5 {
             force += (load[3] * load[3] + load[4] * load[4]).sqrt_abs();
         }
         Self { force, side }
@@ -150,14 +150,15 @@ pub(super) fn start<T: Real, const R: usize, const SET: bool, const E: usize, co
     // Offsets count from the axial part.
     state.u = vector(|i| if i % 5 == 0 { to_grid(u[i]) } else { T::ZERO });
     state.v = vector(|i| u[i] - state.u[i]);
-    for deflection in rows.deflections.iter_mut() {
+    for deflection in rows.deflections() {
         *deflection = Deflection::NONE;
     }
     rows.each(&state.u, |row, u| {
         row.p.start(row.c, u[0] + row.mount.closure)
     });
-    for joint in &rows.layout.joints {
-        if let Some(deflection) = rows.deflections.get_mut(joint.row) {
+    let layout = rows.layout;
+    for joint in layout.joints() {
+        if let Some(deflection) = rows.deflections().get_mut(joint.row) {
             deflection.straighten(&joint.constant);
         }
     }

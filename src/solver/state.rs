@@ -271,8 +271,8 @@ pub fn rounding<T: Real, const D: usize>(force: T, v: &[T; D]) -> T {
 
 impl<T: Real, const D: usize> State<T, D> {
     /// How far the figures at the displacement `u` can be off: what the last step leaves, and what rounding does. `inertia` is
-    /// that of all balls.
-    pub fn errors(&self, u: &[T; D], inertia: T) -> ErrorEstimate<T> {
+    /// that of all balls; a shaft that `is_sprung` has a sleeve.
+    pub fn errors(&self, u: &[T; D], inertia: T, is_sprung: bool) -> ErrorEstimate<T> {
         let Attempt {
             termination,
             report,
@@ -280,7 +280,7 @@ impl<T: Real, const D: usize> State<T, D> {
         } = &self.attempt;
         let (termination, estimate, step) = (*termination, report.estimate, report.step);
         if termination == Termination::Unfinished {
-            return self.errors_so_far(u, inertia);
+            return self.errors_so_far(u, inertia, is_sprung);
         }
         let margin = T::of(tuning::MARGIN);
         let rounding = rounding(estimate.largest, &self.at);
@@ -301,7 +301,7 @@ impl<T: Real, const D: usize> State<T, D> {
             // Rounding of the ring's displacement, too, changes deformations.
             force: margin * estimate.force + rounding + rounding,
             // The margin covers rounding where the last step changes it by more. With a sleeve's, it is a difference.
-            stiffness: (margin * estimate.k).at_least(if D == 6 {
+            stiffness: (margin * estimate.k).at_least(if is_sprung {
                 rounding + rounding
             } else {
                 rounding
@@ -313,7 +313,7 @@ impl<T: Real, const D: usize> State<T, D> {
     /// step, or its correction makes the stiffness no better.
     #[cold]
     #[inline(never)]
-    fn errors_so_far(&self, u: &[T; D], inertia: T) -> ErrorEstimate<T> {
+    fn errors_so_far(&self, u: &[T; D], inertia: T, is_sprung: bool) -> ErrorEstimate<T> {
         let (one, margin) = (T::ONE, T::of(tuning::MARGIN));
         let StepReport {
             estimate,
@@ -321,7 +321,11 @@ impl<T: Real, const D: usize> State<T, D> {
             step,
         } = self.attempt.report;
         // Errors include the sleeve; scale them to the shaft's stiffness.
-        let scale = if D == 6 { self.without_sleeve() } else { one };
+        let scale = if D == 6 && is_sprung {
+            self.without_sleeve()
+        } else {
+            one
+        };
         let left = scale * estimate.corrected();
         // Steps to come shrink by the relative change of a ball's stiffness at most, as a geometric series does: a state is known
         // where that change is below 1, and half of it leaves less than the stiffness itself.

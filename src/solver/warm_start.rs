@@ -6,8 +6,8 @@ use crate::ball::kinematics::{Motion, Rule, Speed};
 use crate::linalg::{Matrix, add_to, moved, product, refer, refer_stiffness, vector};
 use crate::real::Real;
 use crate::results::Balls;
-use crate::rows::elastic::{Deflection, Joint, add, fold};
-use crate::rows::row::{Mount, Sum, stiffness_change, sum_up};
+use crate::rows::elastic::{Deflection, Joint, fold};
+use crate::rows::row::{Sum, stiffness_change, sum_up};
 use crate::rows::{BearingRef, Layout, Placed};
 use crate::solver::problem::units;
 use crate::solver::state::{State, Termination, are_finite, rounding};
@@ -106,6 +106,16 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         self.state.attempt.control.last.work = T::ZERO;
     }
 
+    /// [`State::errors`] of these rows.
+    pub fn errors_of_state<const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        u: &[T; D],
+    ) -> ErrorEstimate<T> {
+        let inertia = self.rows[0].point.s * layout.ball_count;
+        self.state.errors(u, inertia, layout.has_sleeve::<D>())
+    }
+
     /// How far the figures of an elastic shaft at the displacement `u` can be off.
     #[inline(never)]
     fn errors<const SET: bool>(
@@ -113,16 +123,11 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         layout: &Layout<'_, T, R, SET, E>,
         u: &[T; D],
     ) -> ErrorEstimate<T> {
-        let mut error = self
-            .state
-            .errors(u, self.rows[0].point.s * layout.ball_count);
+        let mut error = self.errors_of_state(layout, u);
         // A row's motion is a difference of the shaft's and its deflection.
         let mut offset = T::ZERO;
-        for u in self
-            .deflections
-            .iter()
-            .flat_map(|deflection| &deflection.now)
-        {
+        let deflections = layout.of_joints(&self.deflections).iter();
+        for u in deflections.flat_map(|deflection| &deflection.now) {
             offset = offset.at_least(u.abs());
         }
         let rounding = rounding(self.state.attempt.report.estimate.largest, &[offset]);
@@ -142,7 +147,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         let u = self.state.displacement(layout.plane);
         Reached {
             u,
-            error: (E > 0).then(|| self.errors(layout, &u)),
+            error: layout.bends().then(|| self.errors(layout, &u)),
             load: vector(|i| sum.force[i] + product(&sum.k[i], &du)),
             iterations,
         }
@@ -161,8 +166,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             return None;
         }
         let reached = self.reached(layout, attempt.taken);
-        let inertia = self.rows[0].point.s * layout.ball_count;
-        let errors = self.state.errors(&reached.u, inertia);
+        let errors = self.errors_of_state(layout, &reached.u);
         let is_finite = are_finite(&[errors.displacement, errors.force, errors.stiffness])
             && are_finite(&reached.u)
             && are_finite(&reached.load)
@@ -183,10 +187,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             return k;
         }
         if E > 0 {
-            return self.stiffness_towards::<A, SET>(layout, &layout.joints);
+            return self.stiffness_towards::<A, SET>(layout, layout.joints());
         }
         let mut change = Sum::NONE;
-        for (Placed { bearing, mount, .. }, row) in layout.rows.iter().zip(&self.rows) {
+        for (Placed { bearing, mount, .. }, row) in layout.rows().iter().zip(&self.rows) {
             let v = mount.motion::<D, SET>(&self.state.v);
             if SET {
                 let mut own = row.stiffness_change::<A, 5>(bearing, &v);
@@ -200,38 +204,49 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         k
     }
 
-    /// Stiffness about the point of an elastic shaft that these joints lead to, after the last step.
+    /// Stiffness about the point that these joints of a shaft that may bend lead to, about its centre without joints, after the last
+    /// step.
     #[inline(never)]
     pub fn stiffness_towards<A: Rule, const SET: bool>(
         &self,
         layout: &Layout<'_, T, R, SET, E>,
-        joints: &[Joint<T>; E],
+        joints: &[Joint<T>],
     ) -> Matrix<T, D> {
-        let mut add_row = |joint: &Joint<T>, sum: &mut Sum<T, D>| {
-            let (Some(placed), Some(row)) = (layout.rows.get(joint.row), self.rows.get(joint.row))
-            else {
+        let bends = !joints.is_empty();
+        let mut add_row = |number: usize, sum: &mut Sum<T, D>| {
+            let (Some(placed), Some(row)) = (layout.rows.get(number), self.rows.get(number)) else {
                 return;
             };
             let (bearing, mount) = (&placed.bearing, &placed.mount);
             let mut own = Sum::<T, 5>::NONE;
-            sum_up::<T, A, 5>(row.used(bearing), bearing.azimuths, &mut own);
+            if bends {
+                sum_up::<T, A, 5>(row.used(bearing), bearing.azimuths, &mut own);
+            }
             if self.state.stale {
-                let v = self.motion::<SET>(mount, joint.row);
+                let v = self.motion::<SET>(layout, number);
                 own.add(&row.stiffness_change::<A, 5>(bearing, &v));
             }
             mount.assemble(&mut own, sum);
         };
         let mut sum = Sum::NONE;
-        fold(joints, &mut [], &mut add_row, &mut sum);
+        if bends {
+            fold(joints, &mut [], &mut add_row, &mut sum);
+            return sum.k;
+        }
+        for row in 0..layout.count() {
+            add_row(row, &mut sum);
+        }
+        add_to(&mut sum.k, &self.state.sum.k);
         sum.k
     }
 
     /// Offset of a row's groove plane from its reference position.
     #[inline(always)]
-    fn motion<const SET: bool>(&self, mount: &Mount<T>, row: usize) -> [T; 5] {
+    fn motion<const SET: bool>(&self, layout: &Layout<'_, T, R, SET, E>, row: usize) -> [T; 5] {
+        let mount = &layout.rows[row.min(R - 1)].mount;
         let mut v = mount.motion::<D, SET>(&self.state.v);
-        if let Some(deflection) = self.deflections.get(row) {
-            add(&mut v, T::ONE, &mount.of_centre(&deflection.now));
+        if let Some(deflection) = layout.of_joints(&self.deflections).get(row) {
+            mount.deflect(&mut v, &deflection.now);
         }
         v
     }
@@ -245,13 +260,13 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     ) -> Balls<'s, T, M> {
         // The compiler sees the range, even where it does not inline this.
         let i = i.min(R - 1);
-        let (Placed { bearing, mount, .. }, row) = (&layout.rows[i], &self.rows[i]);
+        let (Placed { bearing, .. }, row) = (&layout.rows[i], &self.rows[i]);
         Balls {
             c: bearing.c,
             p: &row.point,
             azimuths: bearing.azimuths,
             balls: row.used(bearing),
-            v: self.motion::<SET>(mount, i),
+            v: self.motion::<SET>(layout, i),
             speed: Speed::rad_per_s(self.omega),
             motion: PhantomData,
         }
@@ -267,7 +282,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         let (mount, c) = (&layout.rows[i.min(R - 1)].mount, row.c);
         let mut sum = Sum::NONE;
         sum_up::<T, M::Rule, 5>(row.balls, row.azimuths, &mut sum);
-        let du = match self.deflections.get(i) {
+        let du = match layout.of_joints(&self.deflections).get(i) {
             Some(deflection) => mount.of_centre(&deflection.moved),
             None => mount.motion::<D, SET>(&vector(|i| self.state.v[i] - self.state.at[i])),
         };

@@ -8,7 +8,7 @@ use crate::const_math::{sqrt_f32, sqrt_f64};
 use crate::design::check;
 use crate::real::{Float, Real};
 use crate::rows::row::Mount;
-use crate::rows::{Group, Layout, Placed};
+use crate::rows::{BearingRef, Group, Layout, Placed};
 use crate::spindle::arrangement::{Arrangement, Facing};
 use crate::spindle::error::SpindleError;
 use crate::spindle::sections::OnShaft;
@@ -24,7 +24,7 @@ impl<'b, T: Real, const N: usize> Spindle<'b, T, 1, N, 5> {
             balls: row.bearing.c.balls,
             opposed: false,
         };
-        any::mounted(&[row], &row, group, None, T::ZERO)
+        any::mounted(&[row], &row, group, None, None)
     }
 }
 
@@ -59,7 +59,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 5> {
         arrangement: Arrangement,
         rows: [Mounted<'b, T, N>; R],
     ) -> Result<Self, SpindleError<T>> {
-        any::set(arrangement, &rows, T::ZERO)
+        any::set(arrangement, &rows, None)
     }
 }
 
@@ -90,7 +90,7 @@ impl<'b, T: Real, const R: usize, const N: usize> Spindle<'b, T, R, N, 6> {
         rows: [Mounted<'b, T, N>; R],
         force: T,
     ) -> Result<Self, SpindleError<T>> {
-        any::set(arrangement, &rows, force)
+        any::set(arrangement, &rows, Some(force))
     }
 }
 
@@ -144,24 +144,27 @@ pub mod $module {
         Err(SpindleError::Row { row, quantity, value, least, most })
     }
 
-    /// Rows that are clamped, and rows that slide under a spring of this force (N) if `D` is 6, in an arrangement that is checked.
+    /// Rows that are clamped, and rows that slide under a spring of this force (N), which takes `D` of 6, in an arrangement that is
+    /// checked.
     pub $($const)? fn set<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
         arrangement: Arrangement,
-        rows: &[Mounted<'b, $t, N>; R],
-        spring: $t,
+        rows: &[Mounted<'b, $t, N>],
+        spring: Option<$t>,
     ) -> Result<Spindle<'b, $t, R, N, D>, SpindleError<$t>> {
         let Some(first) = rows.first() else {
             return Err(SpindleError::NoRow);
         };
-        let force = if D == 6 { Some(spring) } else { None };
+        if rows.len() > R {
+            return Err(SpindleError::TooManyRows { rows: rows.len(), most: R });
+        }
         // Positions and closures first: they are compared below.
         let mut row = 0;
-        while row < R {
-            check!(check_row(row, &rows[row], first, force));
+        while row < rows.len() {
+            check!(check_row(row, &rows[row], first, spring));
             row += 1;
         }
         check!(check_arranged(arrangement, rows));
-        let (fixed, sliding) = check!(groups(rows, D == 6));
+        let (fixed, sliding) = check!(groups(rows, spring.is_some()));
         Ok(mounted(rows, first, fixed, sliding, spring))
     }
 
@@ -188,14 +191,14 @@ pub mod $module {
     }
 
     /// Refuses rows that are not arranged like this, or where two are too near to each other.
-    $($const)? fn check_arranged<$($any: Real,)? const R: usize, const N: usize>(
+    $($const)? fn check_arranged<$($any: Real,)? const N: usize>(
         arrangement: Arrangement,
-        rows: &[Mounted<'_, $t, N>; R],
+        rows: &[Mounted<'_, $t, N>],
     ) -> Result<(), SpindleError<$t>> {
         let (mut opposed, mut i) = (false, 0);
-        while i < R {
+        while i < rows.len() {
             let (a, mut j) = (&rows[i], 0);
-            while j < R {
+            while j < rows.len() {
                 let (b, row) = (&rows[j], j);
                 j += 1;
                 if i == row {
@@ -215,19 +218,19 @@ pub mod $module {
         let needs_both = matches!(arrangement, Arrangement::BackToBack | Arrangement::FaceToFace);
         match rows.last() {
             Some(last) if needs_both && !opposed => {
-                Err(SpindleError::NotArranged { arrangement, row: R - 1, facing: last.facing })
+                Err(SpindleError::NotArranged { arrangement, row: rows.len() - 1, facing: last.facing })
             }
             _ => Ok(()),
         }
     }
 
     /// The rows that slide, or the fixed ones, and how the first of them faces.
-    $($const)? fn group<$($any: Real,)? const R: usize, const N: usize>(
-        rows: &[Mounted<'_, $t, N>; R],
+    $($const)? fn group<$($any: Real,)? const N: usize>(
+        rows: &[Mounted<'_, $t, N>],
         sliding: bool,
     ) -> Option<(Facing, Group<$t>)> {
         let (mut found, mut first) = (None::<(Facing, Group<$t>)>, 0);
-        while first < R {
+        while first < rows.len() {
             let (row, balls) = (&rows[first], rows[first].bearing.c.balls);
             match &mut found {
                 _ if row.slides() != sliding => {}
@@ -243,8 +246,8 @@ pub mod $module {
     }
 
     /// The fixed rows and the sliding ones, unless they do not hold the shaft.
-    $($const)? fn groups<$($any: Real,)? const R: usize, const N: usize>(
-        rows: &[Mounted<'_, $t, N>; R],
+    $($const)? fn groups<$($any: Real,)? const N: usize>(
+        rows: &[Mounted<'_, $t, N>],
         spring: bool,
     ) -> Result<Groups<$t>, SpindleError<$t>> {
         let Some((facing, fixed)) = group(rows, false) else {
@@ -263,7 +266,7 @@ pub mod $module {
             }
         };
         let mut row = 0;
-        while row < R {
+        while row < rows.len() {
             if matches!(rows[row].preload, Preload::Force(_)) && !fixed.opposed {
                 return Err(SpindleError::Unopposed { row });
             }
@@ -272,20 +275,24 @@ pub mod $module {
         Ok((fixed, sliding))
     }
 
-    /// Rows that hold the shaft, on their mounts; the `first` one has the units.
+    /// Rows that hold the shaft, at most `R`, on their mounts; the `first` one has the units.
     pub $($const)? fn mounted<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
-        rows: &[Mounted<'b, $t, N>; R],
+        rows: &[Mounted<'b, $t, N>],
         first: &Mounted<'b, $t, N>,
         fixed: Group<$t>,
         sliding: Option<Group<$t>>,
-        spring: $t,
+        spring: Option<$t>,
     ) -> Spindle<'b, $t, R, N, D> {
         let unit = first.bearing.c;
         let rp = radius(unit);
+        let spring = match spring {
+            Some(force) => force,
+            None => $t::ZERO,
+        };
         let mut set = Spindle {
             layout: Layout {
                 rows: [Placed {
-                    bearing: first.bearing,
+                    bearing: BearingRef { c: unit, azimuths: &[] },
                     mount: Mount::PLAIN,
                     position: first.position,
                 }; R],
@@ -296,13 +303,15 @@ pub mod $module {
                 preload_at_rest: $t::ZERO,
                 joints: [],
                 fingerprint: mix(0, spring),
+                count: rows.len() as u16,
+                bends: false,
             },
             spring,
             centre: $t::ZERO,
             shaft: OnShaft::NONE,
         };
         let (layout, mut count, mut i) = (&mut set.layout, $t::ZERO, 0);
-        while i < R {
+        while i < rows.len() {
             set.centre += rows[i].position;
             layout.plane += plane(&rows[i], rp);
             count += $t::ONE;
@@ -311,7 +320,7 @@ pub mod $module {
         set.centre = set.centre / count;
         layout.plane = layout.plane / count;
         i = 0;
-        while i < R {
+        while i < rows.len() {
             let (row, c) = (&rows[i], rows[i].bearing.c);
             let (facing, off) = (sign(row.facing), row.position - set.centre);
             let mount = Mount {
@@ -466,7 +475,7 @@ macro_rules! const_new {
             ///         Mounted::new(&BEARING, 0.1, Facing::MinusX).with(PRELOAD),
             ///     ],
             /// );
-            /// assert!(PAIR.closures()[0] > 1e-6);
+            /// assert!(PAIR.closures().all(|e| e > 1e-6));
             /// ```
             ///
             /// # Panics
@@ -476,7 +485,7 @@ macro_rules! const_new {
                 arrangement: Arrangement,
                 rows: [Mounted<'b, $t, N>; R],
             ) -> Self {
-                match $module::set(arrangement, &rows, 0.0) {
+                match $module::set(arrangement, &rows, None) {
                     Ok(set) => set,
                     Err(error) => panic!("{}", error.reason()),
                 }
@@ -494,7 +503,7 @@ macro_rules! const_new {
                 rows: [Mounted<'b, $t, N>; R],
                 force: $t,
             ) -> Self {
-                match $module::set(arrangement, &rows, force) {
+                match $module::set(arrangement, &rows, Some(force)) {
                     Ok(set) => set,
                     Err(error) => panic!("{}", error.reason()),
                 }

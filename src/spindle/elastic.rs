@@ -7,9 +7,11 @@ use crate::real::{Float, Real};
 use crate::rows::elastic::{Deflection, Joint, Piece, forces};
 use crate::rows::{Layout, Placed};
 use crate::solver::problem::{Given, ShaftLoad, check, units};
-use crate::spindle::Spindle;
+use crate::spindle::arrangement::Arrangement;
+use crate::spindle::build::any::set;
 use crate::spindle::error::SpindleError;
 use crate::spindle::sections::{Flexible, OnShaft, Shaft, Support, of_freedoms};
+use crate::spindle::{Mounted, Spindle};
 use crate::status::{Quantity, Status};
 use any::{deflection, deflection_by, piece};
 
@@ -39,7 +41,47 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     }
 }
 
-impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T, R, N, D, R> {
+impl<'b, T: Real, const R: usize, const N: usize, const E: usize> Spindle<'b, T, R, N, 6, E> {
+    /// A spindle of which a program learns everything when it runs: as many rows as there are, at most `R`; some of them in a sleeve
+    /// if there is a `spring` of this force (N); on a shaft that bends or, without sections, does not, each row on its support, or on
+    /// a rigid one where none is given. It has the answers of the type that has no more than is there, in a little more time.
+    ///
+    /// `E` is `R + 1`, or more.
+    ///
+    /// ```
+    /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Material, Mounted, Preload, Settings, Shaft, Speed, Spindle, SpindleSolver};
+    ///
+    /// let design = Design::angular_contact(6.35e-3, 36e-3, 15_f64.to_radians());
+    /// let bearing = Bearing::<f64, 20>::with_balls(&design, 15)?;
+    /// let row = |at, facing| Mounted::new(&bearing, at, facing).with(Preload::Force(200.0));
+    /// let rows = vec![row(0.0, Facing::PlusX), row(0.1, Facing::MinusX)];
+    /// let rigid = Shaft::<f64, 8>::new(&[], &Material::STEEL)?;
+    /// let spindle = Spindle::<f64, 4, 20, 6, 5>::of_rows(Arrangement::BackToBack, &rows, None, &rigid, &[])?;
+    /// let mut solver = SpindleSolver::new();
+    /// let solution = solver.solve(&spindle, [0.0, 150.0, 0.0, 0.0, 0.0], Speed::rpm(20_000.0), &Settings::default())?;
+    /// assert_eq!(solution.rows().len(), 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// As for [`Spindle::new`] and [`Spindle::elastic`]; more rows than `R`.
+    pub fn of_rows<const K: usize>(
+        arrangement: Arrangement,
+        rows: &[Mounted<'b, T, N>],
+        spring: Option<T>,
+        shaft: &'b Shaft<T, K>,
+        supports: &[Support<T>],
+    ) -> Result<Self, SpindleError<T>> {
+        const { assert!(E > R, "`E` is `R + 1`, or more") };
+        let rigid = set(arrangement, rows, spring)?;
+        any::elastic(rigid, &shaft.sections, supports)
+    }
+}
+
+impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
+    Spindle<'b, T, R, N, D, E>
+{
     /// The spindle under loads that act on the shaft at all times, besides those of a solve.
     ///
     /// ```
@@ -57,6 +99,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
     ///
     /// [`SpindleError::Load`], for a load or a position that is out of range; [`SpindleError::HasLoads`] on a second call.
     pub fn with_loads(self, loads: &'b [ShaftLoad<T>]) -> Result<Self, SpindleError<T>> {
+        const { assert!(E > 0, "a shaft that may bend takes constant loads") };
         any::with_loads(self, loads)
     }
 }
@@ -69,14 +112,18 @@ pub mod $module {
     use super::*;
     use crate::spindle::build::$module::{at_least, at_most, check_figure, mix, of, radius};
 
-    /// Rows on an elastic shaft of such sections, each on its support.
-    pub $($const)? fn elastic<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
+    /// Rows on a shaft of such sections, each on its support, or on a rigid one.
+    pub $($const)? fn elastic<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize, const E: usize>(
         rigid: Spindle<'b, $t, R, N, D>,
         sections: &'b [Flexible<$t>],
-        supports: &[Support<$t>; R],
-    ) -> Result<ElasticSpindle<'b, $t, R, N, D>, SpindleError<$t>> {
+        supports: &[Support<$t>],
+    ) -> Result<Spindle<'b, $t, R, N, D, E>, SpindleError<$t>> {
         let Spindle { mut layout, spring, .. } = rigid;
-        let unit = layout.rows[0].bearing.c;
+        // Not `count()`, which is that of the rigid spindle's type.
+        let (unit, mut count) = (layout.rows[0].bearing.c, layout.count as usize);
+        if count > R {
+            count = R;
+        }
         let (axial, tilting) = (unit.force / unit.length, unit.moment / unit.tilt);
         let mut joints = [Joint {
             row: 0,
@@ -85,10 +132,15 @@ pub mod $module {
             constant: [$t::ZERO; 5],
             piece: Piece::NONE,
             is_last: false,
-        }; R];
+        }; E];
+        let (mut bends, mut rest) = (E == R, sections);
+        while let [section, others @ ..] = rest {
+            bends |= section.to > section.from;
+            rest = others;
+        }
         let mut row = 0;
-        while row < R {
-            let support = &supports[row];
+        while row < count && row < E {
+            let support = if row < supports.len() { &supports[row] } else { &Support::RIGID };
             check!(check_support(row, support));
             (joints[row].row, joints[row].position) = (row, layout.rows[row].position);
             joints[row].support = of_freedoms([
@@ -96,24 +148,29 @@ pub mod $module {
                 axial / support.radial,
                 tilting / support.tilting,
             ]);
-            layout.rows[row].mount.reach = layout.rows[row].bearing.c.plane;
+            let [of_x, of_y, _, of_ty, _] = joints[row].support;
+            bends |= of_x > $t::ZERO || of_y > $t::ZERO || of_ty > $t::ZERO;
             row += 1;
         }
-        let centre = between(&layout.rows, $t::ZERO);
-        layout.plane += (rigid.centre - centre) / radius(unit);
-        let joints = towards(joints, sections, unit, centre);
-        row = 0;
-        while row < R {
-            layout.fingerprint = mix_all(layout.fingerprint, &joints[row].support);
-            row += 1;
-        }
-        let mut rest = sections;
-        while let [section, others @ ..] = rest {
-            layout.fingerprint = mix_all(layout.fingerprint, &section.numbers());
-            rest = others;
+        let mut centre = rigid.centre;
+        if bends {
+            centre = between(&layout.rows, count, $t::ZERO);
+            layout.plane += (rigid.centre - centre) / radius(unit);
+            joints = towards(joints, count, sections, unit, centre);
+            row = 0;
+            while row < count && row < E {
+                layout.rows[row].mount.reach = layout.rows[row].bearing.c.plane;
+                layout.fingerprint = mix_all(layout.fingerprint, &joints[row].support);
+                row += 1;
+            }
+            rest = sections;
+            while let [section, others @ ..] = rest {
+                layout.fingerprint = mix_all(layout.fingerprint, &section.numbers());
+                rest = others;
+            }
         }
         Ok(Spindle {
-            layout: layout.with_joints(joints),
+            layout: layout.with_joints(joints, bends),
             spring,
             centre,
             shaft: OnShaft { sections, loads: &[], load: [$t::ZERO; 5], centre },
@@ -134,10 +191,10 @@ pub mod $module {
         Ok(())
     }
 
-    /// The position between the rows that is nearest to `x`, m.
-    pub $($const)? fn between<$($any: Real,)? const R: usize>(rows: &[Placed<'_, $t>; R], x: $t) -> $t {
+    /// The position between the first `count` rows that is nearest to `x`, m.
+    pub $($const)? fn between$(<$any: Real>)?(rows: &[Placed<'_, $t>], count: usize, x: $t) -> $t {
         let (mut low, mut high, mut row) = ($t::INFINITY, -$t::INFINITY, 0);
-        while row < R {
+        while row < count && row < rows.len() {
             let x = rows[row].position;
             (low, high) = (at_most(low, x), at_least(high, x));
             row += 1;
@@ -145,31 +202,34 @@ pub mod $module {
         at_most(at_least(x, low), high)
     }
 
-    /// The chain of rows that leads to the position `x` (m) on the shaft: those below it, then those above, the outermost first.
+    /// The chain of the first `count` rows, which leads to the position `x` (m) on the shaft: rows below it, then rows above, the
+    /// outermost first.
     pub $($const)? fn towards<$($any: Real,)? const E: usize>(
         mut joints: [Joint<$t>; E],
+        count: usize,
         sections: &[Flexible<$t>],
         unit: &Constants<$t>,
         x: $t,
     ) -> [Joint<$t>; E] {
+        let (chain, _) = joints.split_at_mut(if count < E { count } else { E });
         let mut first = 0;
-        while first < E {
+        while first < chain.len() {
             let mut other = first + 1;
-            while other < E {
-                let (a, b) = (joints[other].position, joints[first].position);
+            while other < chain.len() {
+                let (a, b) = (chain[other].position, chain[first].position);
                 let is_before = match (a < x, b < x) {
                     (true, true) => a < b,
                     (false, false) => a > b,
                     (is_below, _) => is_below,
                 };
                 if is_before {
-                    (joints[first], joints[other]) = (joints[other], joints[first]);
+                    chain.swap(first, other);
                 }
                 other += 1;
             }
             first += 1;
         }
-        let (mut next, mut rest) = (None::<$t>, joints.as_mut_slice());
+        let (mut next, mut rest) = (None::<$t>, chain);
         while let [others @ .., joint] = rest {
             let (near, is_last) = match next {
                 Some(inner) if (inner < x) == (joint.position < x) => (inner, false),
@@ -245,10 +305,10 @@ pub mod $module {
     }
 
     /// The shaft under loads that act on it at all times.
-    pub $($const)? fn with_loads<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize>(
-        mut set: ElasticSpindle<'b, $t, R, N, D>,
+    pub $($const)? fn with_loads<'b, $($any: Real,)? const R: usize, const N: usize, const D: usize, const E: usize>(
+        mut set: Spindle<'b, $t, R, N, D, E>,
         loads: &'b [ShaftLoad<$t>],
-    ) -> Result<ElasticSpindle<'b, $t, R, N, D>, SpindleError<$t>> {
+    ) -> Result<Spindle<'b, $t, R, N, D, E>, SpindleError<$t>> {
         if !set.shaft.loads.is_empty() {
             return Err(SpindleError::HasLoads);
         }
@@ -263,7 +323,7 @@ pub mod $module {
         }
         (set.shaft.loads, set.shaft.load) = (loads, sum);
         let mut row = 0;
-        while row < R {
+        while row < set.layout.count() && row < E {
             let x = set.layout.joints[row].position;
             set.layout.joints[row].constant = deflection_by(&set.shaft, unit, x, loads);
             row += 1;
@@ -462,6 +522,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
     pub(super) fn joints_towards(&self, x: T) -> [Joint<T>; E] {
         any::towards(
             self.layout.joints,
+            self.layout.count(),
             self.shaft.sections,
             self.layout.rows[0].bearing.c,
             x,
@@ -470,13 +531,13 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 
     /// The position between the rows that is nearest to `x`, m.
     pub(super) fn between_rows(&self, x: T) -> T {
-        any::between(&self.layout.rows, x)
+        any::between(&self.layout.rows, self.layout.count(), x)
     }
 
     /// The piece of an elastic shaft from `x = 0` to its centre, if it is not there; and how far loads move its end at `x = 0`: these,
     /// and the constant ones.
     pub(super) fn overhang(&self, given: &[Given<T>; 5]) -> Option<(Piece<T>, [T; 5])> {
-        if E == 0 || self.centre == T::ZERO {
+        if !self.layout.bends() || self.centre == T::ZERO {
             return None;
         }
         let (unit, shaft) = (self.layout.rows[0].bearing.c, &self.shaft);
@@ -511,7 +572,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         deflections: &[Deflection<T, D>; E],
     ) -> ([T; 5], T) {
         let (mut u, mut size) = ([T::ZERO; 5], T::ZERO);
-        if E == 0 {
+        if !self.layout.bends() {
             return (u, size);
         }
         let (unit, shaft) = (self.layout.rows[0].bearing.c, &self.shaft);
@@ -521,7 +582,8 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         };
         add(deflection_by(shaft, unit, x, shaft.loads));
         add(deflection_by(shaft, unit, x, loads));
-        for (position, force) in forces(&self.layout.joints, deflections) {
+        let deflections = self.layout.of_joints(deflections);
+        for (position, force) in forces(self.layout.joints(), deflections) {
             add(deflection(shaft, unit, x, position, &vector(|i| -force[i])));
         }
         (u, size)
@@ -530,17 +592,27 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
     /// Flexibility of a row's support, SI.
     pub(super) fn support_of(&self, row: usize) -> [T; 5] {
         let unit = self.layout.rows[0].bearing.c;
-        let joint = self.layout.joints.iter().find(|joint| joint.row == row);
+        let joint = self.layout.joints().iter().find(|joint| joint.row == row);
         vector(|i| {
             let (force, length) = units(unit, i);
             joint.map_or(T::ZERO, |joint| joint.support[i] * (length / force))
         })
     }
 
-    /// Adds the constant loads to a load in the solver's units.
-    pub(super) fn add_constant(&self, load: &mut [T; D]) {
+    /// Constant loads about the position `x` (m), which is the centre of a shaft that bends.
+    #[inline(always)]
+    fn constant_about(&self, x: T) -> [T; 5] {
+        let mut load = self.shaft.load;
+        if E > 0 && !self.layout.bends() {
+            refer(self.centre - x, &mut load);
+        }
+        load
+    }
+
+    /// Adds the constant loads to a load about the position `x` (m) in the solver's units.
+    pub(super) fn add_constant(&self, load: &mut [T; D], x: T) {
         if E > 0 {
-            let (unit, constant) = (self.layout.rows[0].bearing.c, self.shaft.load);
+            let (unit, constant) = (self.layout.rows[0].bearing.c, self.constant_about(x));
             for i in 0..5 {
                 load[i] += constant[i] / units(unit, i).0;
             }
@@ -549,7 +621,7 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
 
     /// Loads of a solve at `x = 0`, SI, from the loads that its rows carry about the position `x` (m), in the solver's units.
     pub(super) fn load_at_origin(&self, carried: &[T; D], x: T) -> [T; 5] {
-        let (unit, constant) = (self.layout.rows[0].bearing.c, self.shaft.load);
+        let (unit, constant) = (self.layout.rows[0].bearing.c, self.constant_about(x));
         let mut load = vector(|i| carried[i] * units(unit, i).0 - constant[i]);
         refer(x, &mut load);
         load

@@ -21,6 +21,13 @@ use core::fmt;
 pub enum SpindleError<T> {
     /// There is no row.
     NoRow,
+    /// There are more rows than the spindle's type has room for.
+    TooManyRows {
+        /// Number of rows.
+        rows: usize,
+        /// Largest number, `R`.
+        most: usize,
+    },
     /// A figure of a row is out of its range.
     Row {
         /// Which row.
@@ -86,6 +93,9 @@ impl<T> SpindleError<T> {
         use Quantity as Q;
         match self {
             Self::NoRow => "a spindle needs a row of balls",
+            Self::TooManyRows { .. } => {
+                "there are more rows than the type of the spindle has room for: give it a larger `R`"
+            }
             Self::Row { quantity, .. } => match quantity {
                 Q::RowPosition => "a row must be within 4096 of its radii Rp of x = 0",
                 Q::RowDistance => {
@@ -192,6 +202,12 @@ impl<T: Real> fmt::Display for SpindleError<T> {
                 f,
                 "row {row} slides, but there is no spring: build the spindle by `Spindle::sprung`"
             ),
+            Self::TooManyRows { rows, most } => {
+                write!(
+                    f,
+                    "there are {rows} rows, but the spindle has room for {most}"
+                )
+            }
             Self::NoRow | Self::NotHeld | Self::NothingSlides | Self::HasLoads => {
                 f.write_str(self.reason())
             }

@@ -83,7 +83,7 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
         Self {
             bearing: BearingRef {
                 c: &bearing.constants,
-                azimuths: &bearing.azimuths,
+                azimuths: bearing.azimuths(),
             },
             position,
             facing,
@@ -105,7 +105,8 @@ impl<'b, T: Real, const N: usize> Mounted<'b, T, N> {
 /// (`Spindle::const_new`).
 ///
 /// `R` rows of at most `N` balls. `D` is 5, the shaft's freedoms, or 6 where a sleeve slides under a spring: a
-/// [`SprungSpindle`].
+/// [`SprungSpindle`]. `E` is 0, or `R` where the shaft bends: an [`ElasticSpindle`](crate::ElasticSpindle). Programs that learn all of
+/// this when they run have more joints than rows: [`Spindle::of_rows`].
 ///
 /// ```
 /// use spindle_bearing::{Arrangement, Bearing, Design};
@@ -155,27 +156,32 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
     }
 
     /// Closure `e` of each clamped row (m), given, or made by the preload force; 0 for a row that slides.
-    pub fn closures(&self) -> [T; R] {
-        self.rows(|row| row.mount.closure * row.bearing.c.length)
+    pub fn closures(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        self.layout
+            .rows()
+            .iter()
+            .map(|row| row.mount.closure * row.bearing.c.length)
     }
 
     /// Positions of the rows on the shaft, m.
-    pub fn positions(&self) -> [T; R] {
-        self.rows(|row| row.position)
+    pub fn positions(&self) -> impl ExactSizeIterator<Item = T> + '_ {
+        self.layout.rows().iter().map(|row| row.position)
     }
 
     /// Number of balls of each row.
-    pub fn ball_counts(&self) -> [u16; R] {
-        self.rows(|row| row.bearing.azimuths.len() as u16)
+    pub fn ball_counts(&self) -> impl ExactSizeIterator<Item = u16> + '_ {
+        self.layout
+            .rows()
+            .iter()
+            .map(|row| row.bearing.azimuths.len() as u16)
     }
 
     /// How the rows face.
-    pub fn facings(&self) -> [Facing; R] {
-        self.rows(|row| Facing::of(row.mount.facing))
-    }
-
-    fn rows<X>(&self, of: impl FnMut(&Placed<'b, T>) -> X) -> [X; R] {
-        self.layout.rows.each_ref().map(of)
+    pub fn facings(&self) -> impl ExactSizeIterator<Item = Facing> + '_ {
+        self.layout
+            .rows()
+            .iter()
+            .map(|row| Facing::of(row.mount.facing))
     }
 }
 
@@ -197,12 +203,9 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize> de
     for Spindle<'_, T, R, N, D, E>
 {
     fn format(&self, f: defmt::Formatter<'_>) {
-        defmt::write!(
-            f,
-            "{} facing {}, closures {}",
-            self.positions(),
-            self.facings(),
-            self.closures()
-        );
+        let rows = self.positions().zip(self.facings()).zip(self.closures());
+        for ((position, facing), closure) in rows {
+            defmt::write!(f, "{} facing {}, closure {}; ", position, facing, closure);
+        }
     }
 }

@@ -78,10 +78,9 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         } else {
             T::ZERO
         };
-        let inertia = last.rows[0].point.s * layout.ball_count;
         let (error, off) = match &reached.error {
-            Some(error) if E > 0 => (*error, error.displacement * norm(&reached.u)),
-            _ => (last.state.errors(&reached.u, inertia), T::ZERO),
+            Some(error) if layout.bends() => (*error, error.displacement * norm(&reached.u)),
+            _ => (last.errors_of_state(layout, &reached.u), T::ZERO),
         };
         let mut solution = Self {
             status: last.state.attempt.termination.status(),
@@ -98,7 +97,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             last,
             motion: PhantomData,
         };
-        if E > 0 && *centre != T::ZERO {
+        if layout.bends() && *centre != T::ZERO {
             (solution.displacement, solution.error.displacement) = solution.displaced(T::ZERO);
         }
         solution
@@ -115,7 +114,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     pub fn stiffness_at(&self, x: T) -> [[T; 5]; 5] {
         let (k, near) = self.near(x);
         let unit = self.spindle.layout.rows[0].bearing.c;
-        if E > 0 {
+        if self.spindle.layout.bends() {
             let mut sum = Sum { k, ..Sum::NONE };
             sum.end(&piece(self.spindle.shaft.sections, unit, x, near));
             return stiffness_out(unit, &sum.k);
@@ -129,7 +128,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     #[inline(always)]
     fn near(&self, x: T) -> (Matrix<T, 5>, T) {
         let (layout, centre) = (&self.spindle.layout, self.spindle.centre);
-        if E == 0 {
+        let held = |k: &Matrix<T, D>| held(k, layout.has_sleeve::<D>());
+        if !layout.bends() {
             return (held(&self.last.tangent::<M::Rule, _>(layout)), centre);
         }
         let near = self.spindle.between_rows(x);
@@ -137,7 +137,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             self.last.tangent::<M::Rule, _>(layout)
         } else {
             let joints = self.spindle.joints_towards(near);
-            self.last.stiffness_towards::<M::Rule, _>(layout, &joints)
+            let joints = layout.of_joints(&joints);
+            self.last.stiffness_towards::<M::Rule, _>(layout, joints)
         };
         (held(&k), near)
     }
@@ -182,7 +183,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
             c[1][j] += y[j];
             c[2][j] -= z[j];
         }
-        if E > 0 {
+        if self.spindle.layout.bends() {
             add_to(&mut c, &self.flexibility(near, x));
         }
         c
@@ -218,7 +219,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// Displacements `dx, dy, dz` (m), `ty, tz` (rad) of the shaft at the position `x` (m).
     pub fn displacement_at(&self, x: T) -> [T; 5] {
-        if E == 0 {
+        if !self.spindle.layout.bends() {
             return moved(x, &self.displacement);
         }
         self.displaced(x).0
@@ -252,7 +253,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let in_units = |u: &[T; 5]| norm(&vector::<T, 5>(|i| u[i] / units(unit, i).1));
         let lever = T::ONE + beyond.abs() / radius(unit);
         let rounding = T::of(8.0) * T::EPSILON * (lever * in_units(&self.u) + bent);
-        let off = if E > 0 {
+        let off = if layout.bends() {
             self.off
         } else {
             self.error.displacement * in_units(&self.u)
@@ -264,7 +265,8 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// Rating life of the set under this load at this speed, each row with its own rating: see [`LifeRating`].
     pub fn rating_life(&self, ratings: &[LifeRating<T>; R]) -> RatingLife<T> {
         let mut weight = T::ZERO;
-        for (i, rating) in ratings.iter().enumerate() {
+        let rows = self.spindle.layout.count();
+        for (i, rating) in ratings.iter().take(rows).enumerate() {
             weight += rating.weight_of(self.view(i).contact_forces());
         }
         RatingLife::of_weight(weight, self.speed.as_rad_per_s())
@@ -272,10 +274,15 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// The rows at a glance, in their order, each with its own rating: largest contact forces and pressures, contact angles,
     /// preload, share of the load, margins and life.
-    pub fn summary(&self, limits: &Limits<T>, ratings: &[LifeRating<T>; R]) -> [RowSummary<T>; R] {
-        let mut rows = from_fn(|i| self.row_summary(i, limits, &ratings[i.min(R - 1)]));
-        self.share(&mut rows);
-        rows
+    pub fn summary(
+        &self,
+        limits: &Limits<T>,
+        ratings: &[LifeRating<T>; R],
+    ) -> impl ExactSizeIterator<Item = RowSummary<T>> + use<T, R, N, M, D, E> {
+        let mut rows: [_; R] = from_fn(|i| self.row_summary(i, limits, &ratings[i.min(R - 1)]));
+        let count = self.spindle.layout.count();
+        self.share(rows.get_mut(..count).unwrap_or_default());
+        rows.into_iter().take(count)
     }
 
     /// One row at a glance, the last one beyond it: without preload and share of the load, which [`share`](Self::share) takes of
@@ -286,13 +293,14 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         limits: &Limits<T>,
         rating: &LifeRating<T>,
     ) -> RowSummary<T> {
-        RowSummary::of(&self.view(row.min(R - 1)), limits, rating)
+        let last = self.spindle.layout.count().saturating_sub(1);
+        RowSummary::of(&self.view(row.min(last)), limits, rating)
     }
 
     /// Gives rows at a glance their preload and their share of the load.
-    pub fn share(&self, rows: &mut [RowSummary<T>; R]) {
-        let axial = rows.each_ref().map(|row| row.force[0]);
-        RowSummary::share(rows, &preloads(&axial, &self.facings()));
+    pub fn share(&self, rows: &mut [RowSummary<T>]) {
+        let axial = vector(|i| rows.get(i).map_or(T::ZERO, |row| row.force[0]));
+        RowSummary::share(rows, &self.preloads(&axial));
     }
 
     /// By how much the sleeve has moved the rows in it towards their balls, m: the closure that the spring makes. 0
@@ -303,13 +311,14 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// The rows, in their order.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = RowSolution<'_, T, M>> + '_ {
-        self.solved_rows().into_iter()
+        let rows = self.solved_rows().into_iter();
+        rows.take(self.spindle.layout.count())
     }
 
     fn solved_rows(&self) -> [RowSolution<'_, T, M>; R] {
         let mut rows: [RowSolution<'_, T, M>; R] = from_fn(|i| self.row(i));
         let axial = rows.each_ref().map(|row| row.force[0]);
-        for (row, preload) in rows.iter_mut().zip(preloads(&axial, &self.facings())) {
+        for (row, preload) in rows.iter_mut().zip(self.preloads(&axial)) {
             row.preload = preload;
         }
         rows
@@ -337,9 +346,18 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         }
     }
 
-    /// How the rows face.
-    pub(crate) fn facings(&self) -> [Facing; R] {
-        self.spindle.facings()
+    /// Preload of each row: the axial force that both sides have in common, shared out like the rows' forces.
+    fn preloads(&self, axial: &[T; R]) -> [T; R] {
+        let side = |i: usize| usize::from(self.spindle.layout.rows[i].mount.facing < T::ZERO);
+        let mut sides = [T::ZERO; 2];
+        for i in 0..R {
+            sides[side(i)] += axial[i];
+        }
+        let common = sides[0].at_most(sides[1]).at_least(T::ZERO);
+        vector(|i| {
+            let all = sides[side(i)].at_least(common).at_least(T::TINY);
+            axial[i] * (common / all)
+        })
     }
 
     /// The balls of a row.
@@ -367,26 +385,13 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     }
 }
 
-/// The stiffness of the shaft's five freedoms, with the force of a spring held.
-fn held<T: Real, const D: usize>(k: &Matrix<T, D>) -> Matrix<T, 5> {
-    if D == 6 {
+/// The stiffness of the shaft's five freedoms, with the force of a spring held if the shaft `is_sprung`.
+fn held<T: Real, const D: usize>(k: &Matrix<T, D>, is_sprung: bool) -> Matrix<T, 5> {
+    if D == 6 && is_sprung {
         matrix(|i, j| k[i][j] - k[i][5] * k[5][j] / k[5][5])
     } else {
         matrix(|i, j| k[i][j])
     }
-}
-
-/// Preload of each row: the axial force that both sides have in common, shared out like the rows' forces.
-pub fn preloads<T: Real, const R: usize>(axial: &[T; R], facings: &[Facing; R]) -> [T; R] {
-    let mut sides = [T::ZERO; 2];
-    for (axial, facing) in axial.iter().zip(facings) {
-        sides[usize::from(*facing == Facing::MinusX)] += *axial;
-    }
-    let common = sides[0].at_most(sides[1]).at_least(T::ZERO);
-    vector(|i| {
-        let side = sides[usize::from(facings[i] == Facing::MinusX)];
-        axial[i] * (common / side.at_least(common).at_least(T::TINY))
-    })
 }
 
 /// Compliance of a stiffness: its inverse.

@@ -134,7 +134,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
             spindle.check_load(load)?;
         }
         let deflected;
-        let (layout, fingerprint) = if E > 0 && !placed.is_empty() {
+        let (layout, fingerprint) = if spindle.layout.bends() && !placed.is_empty() {
             deflected = spindle.under_loads(placed);
             (&deflected.0, deflected.1)
         } else {
@@ -147,7 +147,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         // From x = 0 to the centre.
         let to_centre = |problem: &mut Problem<T, D>| {
             refer(-spindle.centre * unit.tilt / unit.length, &mut problem.load);
-            spindle.add_constant(&mut problem.load);
+            spindle.add_constant(&mut problem.load, spindle.centre);
         };
         let tolerance = settings.tolerance;
         let problem =
@@ -171,7 +171,8 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         more: &mut dyn FnMut() -> bool,
     ) -> Result<SpindleSolution<'s, T, R, N, M, D, E>, Status<T>> {
         // An elastic shaft has an overhang in the place of a shift.
-        let point = if E > 0 { spindle.centre } else { T::ZERO };
+        let bends = spindle.layout.bends();
+        let point = if bends { spindle.centre } else { T::ZERO };
         let (layout, shift) = spindle.about(point);
         let overhang = spindle.overhang(given);
         let spring = Given::Load(spindle.spring);
@@ -184,7 +185,7 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
                 }
                 problem.overhang = Some(piece);
             }
-            spindle.add_constant(&mut problem.load);
+            spindle.add_constant(&mut problem.load, point);
         };
         let tolerance = settings.tolerance;
         let problem = self

@@ -11,7 +11,7 @@ use spindle_bearing::{
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;
 use spindle_monitor::settings::{MonitorSettings, ResponseSettings, TelemetrySettings};
-use spindle_monitor::tick::{Core, CycleCost, TickSettings};
+use spindle_monitor::tick::{Core, TickSettings};
 use spindle_monitor::{Identity, RowSettings, ShaftSettings, WatchSettings};
 
 include!(concat!(env!("OUT_DIR"), "/spindle.rs"));

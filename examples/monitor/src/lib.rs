@@ -203,7 +203,7 @@ struct Estimate {
     tick: u64,
 }
 
-/// The monitor of a spindle with `R` rows of at most `N` balls and with `P` probes; `D` and `E` are as for [`Spindle`].
+/// The monitor of a spindle with at most `R` rows of at most `N` balls and with `P` probes; `D` and `E` are as for [`Spindle`].
 ///
 /// Fixed in size, without a heap; `FRAMES` estimates and pictures of balls wait for a slow link. It solves in single
 /// precision.
@@ -285,9 +285,9 @@ impl<
             plausibility: Plausibility::new(&settings.plausibility),
             temperatures: Temperatures::new(settings.temperatures.as_ref()),
             growth: [Growth::NONE; R],
-            ticker: Ticker::new(&settings.tick, &spindle.ball_counts()),
+            ticker: Ticker::new(&settings.tick, spindle.ball_counts()),
             reports: Reports::new(spindle, settings),
-            watch: Watch::new(&spindle.ball_counts(), &spindle.facings()),
+            watch: Watch::new(spindle.ball_counts(), spindle.facings()),
             probes: Probes::new(probes, &settings.alarms, settings.tick.period_us),
             waiting: None,
             estimate: None,
@@ -646,7 +646,7 @@ impl<
             return false;
         };
         let mut is_new = false;
-        if !ended.rows.is_full() {
+        if ended.all().is_none() {
             match self.glance(&mut ended, || time.has_a_look()) {
                 None => return false,
                 Some(None) => {
@@ -694,15 +694,19 @@ impl<
         ended: &mut Ended<R>,
         mut has_time: impl FnMut() -> bool,
     ) -> Option<Option<(Status<f32>, [f32; P])>> {
-        let (settings, Ended { task, rows }) = (self.settings, ended);
+        let (settings, Ended { task, rows, count }) = (self.settings, ended);
         self.tracker.look(task, settings, |solution| {
-            while let Some(row) = settings.rows.get(rows.len())
+            while rows.len() < *count
+                && let Some(row) = settings.rows.get(rows.len())
                 && has_time()
             {
                 let limits = &settings.watch.limits;
                 let _ = rows.push(solution.row_summary(rows.len(), limits, &row.rating));
             }
-            solution.share(rows.as_mut_slice().try_into().ok()?);
+            if rows.len() < *count {
+                return None;
+            }
+            solution.share(rows);
             let is_estimate = matches!(task.purpose, Purpose::Estimate);
             let computed = is_estimate.then(|| self.probes.computed(solution));
             Some((solution.status, computed.unwrap_or([0.0; P])))
@@ -804,7 +808,7 @@ impl<
 }
 
 /// Rating life that an equilibrium uses per million revolutions, as a part of 1.
-fn damage_of<const R: usize>(rows: &[RowSummary<f32>; R]) -> f32 {
+fn damage_of(rows: &[RowSummary<f32>]) -> f32 {
     let rate = rows.iter().map(|row| row.life_rate).sum();
     1.0 / RatingLife::of_weight(rate, 0.0).million_revolutions
 }

@@ -58,11 +58,11 @@ struct Due {
 }
 
 /// The estimate that was taken for a report.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Taken<const R: usize> {
     tick: u64,
     report: EstimateReport,
-    rows: [RowReport; R],
+    rows: Vec<RowReport, R>,
     /// It has yet to be sent.
     is_new: bool,
 }
@@ -137,7 +137,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     }
 
     /// Takes the rows of the mounted spindle, cold and at rest.
-    pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>; R]) {
+    pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>]) {
         let preloads = rows.iter().map(|row| row.preload);
         self.hello.shaft.preload = preloads.fold(0.0, f32::max);
     }
@@ -185,7 +185,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         &mut self,
         task: &Task<R>,
         solution: &Solved<'_, R, N, D, E>,
-        rows: &[RowSummary<f32>; R],
+        rows: &[RowSummary<f32>],
         opposed: bool,
         settings: &MonitorSettings<R>,
     ) {
@@ -199,13 +199,13 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
             self.taken = Some(Taken {
                 tick: task.tick,
                 report,
-                rows: rows.each_ref().map(row_report),
+                rows: as_many_as_fit(rows.iter().map(row_report)),
                 is_new: true,
             });
         } else if self.picture.is_none()
             && let Some(row) = self.wanted_row
         {
-            self.wanted_row = Some(row + 1).filter(|row| *row < R);
+            self.wanted_row = Some(row + 1).filter(|row| *row < rows.len());
             let balls = solution.rows().nth(row);
             self.picture = balls.map(|row_of_balls| Picture {
                 time_us: task.sample.time_us,
@@ -250,7 +250,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         load: usize,
         task: &Task<R>,
         solution: &Solved<'_, R, N, D, E>,
-        rows: &[RowSummary<f32>; R],
+        rows: &[RowSummary<f32>],
         settings: &MonitorSettings<R>,
     ) {
         if let Some(taken) = &self.taken {
@@ -324,7 +324,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         for (number, rows) in taken.rows.chunks(ROWS_PER_FRAME).enumerate() {
             let report = RowsReport {
                 first: (number * ROWS_PER_FRAME) as u8,
-                count: R as u8,
+                count: taken.rows.len() as u8,
                 rows: as_many_as_fit(rows.iter().copied()),
             };
             self.outbox.post(time_us, Payload::Rows(report));
@@ -424,7 +424,7 @@ fn shaft_report<const R: usize, const N: usize, const D: usize, const E: usize>(
     spindle: &Spindle<'_, f32, R, N, D, E>,
     settings: &MonitorSettings<R>,
 ) -> ShaftReport {
-    let places = spindle.positions().into_iter().zip(spindle.facings());
+    let places = spindle.positions().zip(spindle.facings());
     let rows = places.zip(spindle.ball_counts());
     let place = |((position, facing), balls): ((f32, Facing), u16)| RowPlace {
         position,
@@ -435,7 +435,7 @@ fn shaft_report<const R: usize, const N: usize, const D: usize, const E: usize>(
         nose: settings.shaft.nose,
         loads_at: settings.shaft.loads_at,
         preload: 0.0,
-        count: R as u8,
+        count: spindle.facings().len() as u8,
         rows: as_many_as_fit(rows.map(place)),
     }
 }
@@ -443,7 +443,7 @@ fn shaft_report<const R: usize, const N: usize, const D: usize, const E: usize>(
 fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usize>(
     task: &Task<R>,
     solution: &Solved<'_, R, N, D, E>,
-    rows: &[RowSummary<f32>; R],
+    rows: &[RowSummary<f32>],
     opposed: bool,
     shaft: &ShaftSettings,
 ) -> EstimateReport {
@@ -473,7 +473,7 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
         coupling_column: column as u8,
         least_force: least,
         largest_force: largest,
-        iterations: task.rows.div_ceil(R.max(1) as u16),
+        iterations: task.rows.div_ceil((rows.len() as u16).max(1)),
         error: [
             solution.error.displacement,
             solution.error.force,

@@ -308,9 +308,11 @@ pub struct Ticker {
 
 impl Ticker {
     /// Before the first tick, of a spindle with so many balls in its rows.
-    pub fn new(settings: &TickSettings, balls: &[u16]) -> Self {
-        let all = balls.iter().map(|count| u32::from(*count)).sum();
-        let most = balls.iter().copied().max().unwrap_or_default();
+    pub fn new(settings: &TickSettings, balls: impl IntoIterator<Item = u16>) -> Self {
+        let (mut rows, mut all, mut most) = (0_u16, 0_u32, 0);
+        for count in balls {
+            (rows, all, most) = (rows + 1, all + u32::from(count), most.max(count));
+        }
         let TickSettings {
             period_us,
             deadline_cycles,
@@ -320,8 +322,8 @@ impl Ticker {
             period_us: *period_us,
             deadline_cycles: *deadline_cycles,
             most: deadline_cycles.saturating_sub(cost.tick),
-            cost: cost.of(balls.len() as u32, all, most.into()),
-            rows: balls.len() as u16,
+            cost: cost.of(rows.into(), all, most.into()),
+            rows,
             began_cycles: 0,
             last_us: None,
             ticks: 0,
@@ -449,7 +451,7 @@ mod tests {
     fn a_row_begins_only_if_it_ends_in_time_with_the_step_behind_it() {
         let rows = |counts: &[u32], passed: u16| {
             let mut counter = Steps(counts.to_vec());
-            let ticker = Ticker::new(&SETTINGS, &[16, 16]);
+            let ticker = Ticker::new(&SETTINGS, [16, 16]);
             let mut time = ticker.solve_time(&mut counter, passed);
             while time.has_a_row_more() {}
             time.rows()
@@ -470,7 +472,7 @@ mod tests {
     #[test]
     fn figures_taken_of_an_equilibrium_leave_less_for_the_next_solve() {
         let mut counter = Steps(std::vec![7; 9]);
-        let mut time = Ticker::new(&SETTINGS, &[16, 16]).solve_time(&mut counter, 0);
+        let mut time = Ticker::new(&SETTINGS, [16, 16]).solve_time(&mut counter, 0);
         assert!(time.has_a_look() && time.has_a_report() && time.has_a_solve());
         // 25,600 and 32,000 and 14,000 are spent: three rows and a step more.
         while time.has_a_row_more() {}
@@ -481,7 +483,7 @@ mod tests {
     #[test]
     fn a_part_that_just_fits_begins_a_tick_whatever_the_counter_shows() {
         // A report of 158 balls takes all that a tick leaves.
-        let ticker = Ticker::new(&SETTINGS, &[79, 79]);
+        let ticker = Ticker::new(&SETTINGS, [79, 79]);
         let mut counter = Steps(std::vec![7, 2000]);
         assert!(ticker.solve_time(&mut counter, 0).has_a_report());
         let mut counter = Steps(std::vec![7, 2000, 3000]);
@@ -491,7 +493,7 @@ mod tests {
 
     #[test]
     fn a_tick_across_the_wrap_of_the_counter_is_as_long_as_any() {
-        let mut ticker = Ticker::new(&SETTINGS, &[16, 16]);
+        let mut ticker = Ticker::new(&SETTINGS, [16, 16]);
         let mut counter = Steps(std::vec![u32::MAX - 99, 100, 5, 168_005, 5, 168_006]);
         let mut dog = Fed(0);
         let mut overruns = std::vec![];
@@ -506,7 +508,7 @@ mod tests {
 
     #[test]
     fn ticks_that_were_left_out_are_counted() {
-        let mut ticker = Ticker::new(&SETTINGS, &[16, 16]);
+        let mut ticker = Ticker::new(&SETTINGS, [16, 16]);
         let mut time = 0;
         for step in [0, 1000, 1400, 600, 3000, 1000, 1600] {
             time += step;

@@ -59,14 +59,15 @@ pub(crate) struct Tracker<const R: usize, const N: usize, const D: usize, const 
 #[derive(Debug)]
 pub(crate) struct Ended<const R: usize> {
     pub(crate) task: Task<R>,
-    /// Rows at a glance, as far as they were looked at.
+    /// Rows at a glance, as far as they were looked at, and how many there are.
     pub(crate) rows: Vec<RowSummary<f32>, R>,
+    pub(crate) count: usize,
 }
 
 impl<const R: usize> Ended<R> {
     /// All rows, once they were looked at.
-    pub(crate) fn all(&self) -> Option<&[RowSummary<f32>; R]> {
-        self.rows.as_slice().try_into().ok()
+    pub(crate) fn all(&self) -> Option<&[RowSummary<f32>]> {
+        (self.rows.len() >= self.count).then_some(&self.rows)
     }
 }
 
@@ -136,6 +137,7 @@ impl<const R: usize, const N: usize, const D: usize, const E: usize> Tracker<R, 
                 self.ended = Some(Ended {
                     task,
                     rows: Vec::new(),
+                    count: self.spindle.facings().len(),
                 })
             }
             Err(Status::IterationLimit) => self.begun = Some(task),

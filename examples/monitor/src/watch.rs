@@ -48,10 +48,18 @@ pub(crate) const SECOND_US: u32 = 1_000_000;
 
 impl<const R: usize> Watch<R> {
     /// Of rows of so many balls, and of these facings.
-    pub(crate) fn new(balls: &[u16; R], facings: &[Facing; R]) -> Self {
+    pub(crate) fn new(
+        balls: impl IntoIterator<Item = u16>,
+        facings: impl IntoIterator<Item = Facing>,
+    ) -> Self {
+        let (mut all, mut facings) = ([0; R], facings.into_iter());
+        all.iter_mut()
+            .zip(balls)
+            .for_each(|(of, count)| *of = count);
+        let first = facings.next();
         Self {
-            balls: *balls,
-            opposed: facings.iter().any(|facing| *facing != facings[0]),
+            balls: all,
+            opposed: facings.any(|facing| Some(facing) != first),
             mounted: [0.0; R],
             now: Second::default(),
             began_us: 0,
@@ -73,8 +81,10 @@ impl<const R: usize> Watch<R> {
     }
 
     /// Takes the rows of the mounted spindle, cold and at rest.
-    pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>; R]) {
-        self.mounted = rows.each_ref().map(|row| row.preload);
+    pub(crate) fn mount(&mut self, rows: &[RowSummary<f32>]) {
+        for (mounted, row) in self.mounted.iter_mut().zip(rows) {
+            *mounted = row.preload;
+        }
     }
 
     /// Whether rows of either facing hold each other.
@@ -120,7 +130,7 @@ impl<const R: usize> Watch<R> {
     }
 
     /// Takes the levels of an equilibrium. Balls are counted on from row to row.
-    pub(crate) fn rows(&self, rows: &[RowSummary<f32>; R], levels: &mut Levels) {
+    pub(crate) fn rows(&self, rows: &[RowSummary<f32>], levels: &mut Levels) {
         for (alarm, limit, least) in [
             (Alarm::PeakPressure, Limit::PeakPressure, 0.0),
             (Alarm::ContactAngle, Limit::Shoulder, f32::NEG_INFINITY),
@@ -150,7 +160,8 @@ impl<const R: usize> Watch<R> {
             first += count;
         }
         levels.set(Alarm::UnloadedBalls, unloaded);
-        if !self.opposed || !self.mounted.iter().all(|mounted| *mounted > 0.0) {
+        let mut mounted = self.mounted.iter().take(rows.len());
+        if !self.opposed || !mounted.all(|mounted| *mounted > 0.0) {
             return;
         }
         let (mut least, mut largest) = (f32::INFINITY, 0.0_f32);
@@ -182,7 +193,7 @@ mod tests {
 
     #[test]
     fn the_share_is_that_of_the_last_second_with_ticks_that_did_not_begin() {
-        let mut seen = Watch::new(&[16], &[Facing::PlusX]);
+        let mut seen = Watch::<1>::new([16], [Facing::PlusX]);
         let mut time = 0_u64;
         let mut share = |every: u64, missed: u64| {
             for _ in 0..2000 {
@@ -195,7 +206,7 @@ mod tests {
         assert_eq!(share(1, 0), 1.0);
         assert!((share(2, 0) - 0.5).abs() < 2e-3);
         assert_eq!(share(1, 0), 1.0);
-        let mut seen = Watch::new(&[16], &[Facing::PlusX]);
+        let mut seen = Watch::<1>::new([16], [Facing::PlusX]);
         for ms in 1..=1000 {
             seen.tick(1000 * ms, [true; 3], 2 * ms, &mut Levels::default());
         }

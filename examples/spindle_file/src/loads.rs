@@ -3,7 +3,7 @@
 use crate::probes::MOST_PROBES;
 
 /// Measured values of one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadRow {
     /// Time, s.
     pub time_s: f64,

@@ -4,12 +4,12 @@
 use crate::dispatch::{
     Attitude, Precision, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
-use crate::mounting::{Visitor, closed, visit};
-use crate::plan::{BuildError, MOST_BALLS, Plan, Question, ShaftEnd};
+use crate::mounting::{DynSolver, DynSpindle, MOST_JOINTS, Parts, closed, growths};
+use crate::plan::{BuildError, MOST_BALLS, MOST_ROWS, Plan, Question, ShaftEnd};
 use spindle_bearing::{
-    BallKinematics, BallState, Centrifugal, ErrorEstimate, Frequencies, Given, Growth,
-    InnerRaceControl, Limit, LimitSet, Limits, Motion, OuterRaceControl, RacewayControlFree, Real,
-    RowSolution, Settings, Speed, Spindle, SpindleSolution, SpindleSolver, Static, Status,
+    BallKinematics, BallState, Centrifugal, ErrorEstimate, Frequencies, Given, InnerRaceControl,
+    Limit, LimitSet, Limits, Motion, OuterRaceControl, RacewayControlFree, Real, RowSolution,
+    Settings, Speed, SpindleSolution, Static, Status,
 };
 use std::array::from_fn;
 
@@ -189,18 +189,6 @@ pub fn given<T: Real, const D: usize>(question: &Question) -> [Given<T>; D] {
     })
 }
 
-/// Growth of the first `R` rows.
-pub fn growths<T: Real, const R: usize>(question: &Question) -> [Growth<T>; R] {
-    from_fn(|i| match question.growth.get(i) {
-        Some(growth) => Growth {
-            axial: T::of(growth.axial),
-            radial: T::of(growth.radial),
-            ball: T::of(growth.ball),
-        },
-        None => Growth::NONE,
-    })
-}
-
 /// Estimated errors of displacement, force and stiffness in doubles.
 pub fn in_doubles<T: Real>(error: &ErrorEstimate<T>) -> [f64; 3] {
     [error.displacement, error.force, error.stiffness].map(T::to_f64)
@@ -255,122 +243,61 @@ pub fn with_solver<O>(
     precision: Precision,
     f: impl FnOnce(&mut dyn AnySolver) -> O,
 ) -> Result<O, BuildError> {
-    let closed = closed(plan)?;
-    let plan = closed.as_ref().unwrap_or(plan);
-    let (mut f, mut outcome) = (Some(f), None);
-    let mut hand = |solver: &mut dyn AnySolver| outcome = f.take().map(|f| f(solver));
-    let hand = OfBalls {
-        balls,
-        hand: &mut hand,
-    };
-    match precision {
-        Precision::F32 => visit::<f32>(plan, hand)?,
-        Precision::F64 => visit::<f64>(plan, hand)?,
-    }
-    Ok(outcome.expect("a solver was handed over"))
+    let plan = closed(plan)?;
+    Ok(match precision {
+        Precision::F32 => f(&mut *solver(&Parts::<f32>::of(&plan)?, &plan, balls)?),
+        Precision::F64 => f(&mut *solver(&Parts::<f64>::of(&plan)?, &plan, balls)?),
+    })
 }
 
-/// Takes a solver, whoever asked for it: without the type of a closure, a solver is compiled once.
-type Hand<'h> = &'h mut dyn FnMut(&mut dyn AnySolver);
-
-/// Hands over the solver of a spindle for this motion of its balls.
-struct OfBalls<'h> {
+/// A solver for this motion of the balls, of a plan and its parts.
+fn solver<'p, T: Real>(
+    parts: &'p Parts<T>,
+    plan: &Plan,
     balls: Balls,
-    hand: Hand<'h>,
-}
-
-impl<'p, T: Real> Visitor<'p, T> for OfBalls<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        spindle: Spindle<'p, T, R, MOST_BALLS, D, E>,
-        loaded_at: f64,
-    ) -> Result<(), BuildError> {
-        of_balls(spindle, self.balls, loaded_at, self.hand)
-    }
-}
-
-/// Hands over the solver for this motion of the balls.
-///
-/// # Errors
-///
-/// A motion that there is no solver for, with so many rows or on an elastic shaft.
-fn of_balls<T: Real, const R: usize, const D: usize, const E: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
-    balls: Balls,
-    loaded_at: f64,
-    hand: Hand<'_>,
-) -> Result<(), BuildError> {
-    // Every solver takes half a second to compile: where a `const` block is false, its arm is left out.
-    match balls {
-        Balls::Static if const { R <= 2 && E == 0 } => {
-            hand_over::<T, R, Static, D, E>(spindle, true, loaded_at, hand);
+) -> Result<Box<dyn AnySolver + 'p>, BuildError> {
+    let (spindle, loaded_at) = (parts.spindle(plan)?, plan.loaded_at());
+    Ok(match balls {
+        Balls::Static => Chosen::<T, Static>::boxed(spindle, loaded_at),
+        Balls::Centrifugal => Chosen::<T, Centrifugal>::boxed(spindle, loaded_at),
+        Balls::CentrifugalOuter => {
+            Chosen::<T, Centrifugal<OuterRaceControl>>::boxed(spindle, loaded_at)
         }
-        Balls::Centrifugal if const { R <= 2 && E == 0 } => {
-            hand_over::<T, R, Centrifugal, D, E>(spindle, false, loaded_at, hand);
-        }
-        Balls::Inner if const { R <= 2 } => {
-            hand_over::<T, R, InnerRaceControl, D, E>(spindle, false, loaded_at, hand);
-        }
-        Balls::Outer if const { R <= 4 } => {
-            hand_over::<T, R, OuterRaceControl, D, E>(spindle, false, loaded_at, hand);
-        }
-        // At rest, all are alike.
-        Balls::Static | Balls::Free => {
-            let at_rest = balls == Balls::Static;
-            hand_over::<T, R, RacewayControlFree, D, E>(spindle, at_rest, loaded_at, hand);
-        }
-        _ => {
-            let refused = match balls {
-                Balls::Inner => "inner race control is for one or two rows: leave --attitude out",
-                Balls::Outer => "outer race control is for one to four rows: leave --attitude out",
-                _ if E > 0 => {
-                    "centrifugal force alone is not for elastic shafts: leave --motion out"
-                }
-                _ => "centrifugal force alone is for one or two rows: leave --motion out",
-            };
-            return Err(BuildError::Spindle(format!("{R} rows: {refused}")));
-        }
-    }
-    Ok(())
-}
-
-fn hand_over<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
-    spindle: Spindle<'_, T, R, MOST_BALLS, D, E>,
-    at_rest: bool,
-    loaded_at: f64,
-    hand: Hand<'_>,
-) {
-    let closures = spindle.closures().map(T::to_f64);
-    let mut solver = Box::new(Chosen {
-        closures,
-        spindle,
-        solver: SpindleSolver::<T, R, MOST_BALLS, M, D, E>::of(),
-        choices: Choices::default(),
-        at_rest,
-        loaded_at,
-    });
-    hand(&mut *solver);
+        Balls::Free => Chosen::<T, RacewayControlFree>::boxed(spindle, loaded_at),
+        Balls::Outer => Chosen::<T, OuterRaceControl>::boxed(spindle, loaded_at),
+        Balls::Inner => Chosen::<T, InnerRaceControl>::boxed(spindle, loaded_at),
+    })
 }
 
 #[derive(Clone)]
-struct Chosen<'s, T: Real, const R: usize, M: Motion, const D: usize, const E: usize> {
-    spindle: Spindle<'s, T, R, MOST_BALLS, D, E>,
-    solver: SpindleSolver<T, R, MOST_BALLS, M, D, E>,
+struct Chosen<'p, T: Real, M: Motion> {
+    spindle: DynSpindle<'p, T>,
+    solver: DynSolver<T, M>,
     choices: Choices,
     /// Closure of each row, m.
-    closures: [f64; R],
-    at_rest: bool,
+    closures: Vec<f64>,
     /// Position of the solver's `x = 0` in the plan, m.
     loaded_at: f64,
 }
 
-impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySolver
-    for Chosen<'_, T, R, M, D, E>
-{
+impl<'p, T: Real, M: Motion> Chosen<'p, T, M> {
+    fn boxed(spindle: DynSpindle<'p, T>, loaded_at: f64) -> Box<dyn AnySolver + 'p> {
+        let closures = spindle.closures().map(T::to_f64).collect();
+        Box::new(Self {
+            closures,
+            spindle,
+            solver: DynSolver::of(),
+            choices: Choices::default(),
+            loaded_at,
+        })
+    }
+}
+
+impl<T: Real, M: Motion> AnySolver for Chosen<'_, T, M> {
     fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>> {
-        let omega = if self.at_rest { 0.0 } else { question.omega };
         let settings = self.choices.settings();
-        let at = Speed::rad_per_s(T::of(omega)).with_growth(growths(question));
+        let omega = if M::AT_SPEED { question.omega } else { 0.0 };
+        let at = Speed::rad_per_s(T::of(omega)).with_growth(growths(&question.growth));
         // The solver's axial displacement does not have the growth of the rows' middle.
         let mut moved = question.clone();
         moved.held[0] = moved.held[0].map(|u| u + question.middle_growth);
@@ -411,8 +338,8 @@ impl<T: Real, const R: usize, M: Motion, const D: usize, const E: usize> AnySolv
     }
 }
 
-fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>(
-    solution: &SpindleSolution<'_, T, R, N, M, D, E>,
+fn answer<T: Real, M: Motion>(
+    solution: &SpindleSolution<'_, T, MOST_ROWS, MOST_BALLS, M, 6, MOST_JOINTS>,
     ends: &[ShaftEnd],
     loaded_at: f64,
     choices: &Choices,
@@ -468,7 +395,6 @@ fn answer<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, co
     }
 }
 
-/// Apart from [`answer`], since it is compiled for every motion alone, not for every number of rows.
 fn row_answer<T: Real, M: Motion>(
     row: &RowSolution<'_, T, M>,
     displacement: [T; 5],

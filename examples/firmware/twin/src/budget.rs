@@ -63,8 +63,8 @@ pub fn budget(elf: &[u8]) -> Result<String> {
         _ => Core::STM32F405,
     };
     let settings = monitor_settings(&core);
-    let (tick, counts) = (&settings.tick, SPINDLE.ball_counts());
-    let balls = counts.iter().map(|count| u32::from(*count)).sum();
+    let tick = &settings.tick;
+    let balls = SPINDLE.ball_counts().map(u32::from).sum();
     let cost = tick.cost.of(ROWS as u32, balls, BALLS as u32);
     let pass = tick.cost.ball_row * balls + cost.step;
     let free = f64::from(tick.deadline_cycles - tick.cost.tick);

@@ -1,13 +1,11 @@
 //! The spindle and its monitor as a board has them: of a spindle's file, for the firmware's build and for hosts.
 
-use super::{Visitor, closed, visit};
+use super::{DynSolver, Parts, closed, growths};
 use crate::designs::DesignFileError;
 use crate::monitors::MonitorFile;
-use crate::plan::{BuildError, ElasticShaft, MOST_BALLS, Plan};
+use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan};
 use crate::spindles::SpindleFile;
-use spindle_bearing::{
-    Growth, LifeRating, Limits, Settings, Speed, Spindle, SpindleSolver, Static, Support,
-};
+use spindle_bearing::{Growth, LifeRating, Limits, Settings, Speed, Static, Support};
 use spindle_monitor::judgement::{Threshold, Thresholds};
 use spindle_monitor::plausibility::PlausibilitySettings;
 use spindle_monitor::settings::TelemetrySettings;
@@ -24,10 +22,9 @@ use std::array::from_fn;
 /// Why it cannot be built in the board's precision, or not be monitored; why not in the ticks of this core, if there is one.
 pub fn plan(file: &SpindleFile, core: Option<Core>) -> Result<Plan, DesignFileError> {
     let explained = |error: BuildError| file.explain(&error);
-    let closed = closed(&file.plan).map_err(explained)?;
-    let mut plan = closed.unwrap_or_else(|| file.plan.clone());
+    let mut plan = closed(&file.plan).map_err(explained)?;
     // First as `cargo replay` builds it, which gives its messages.
-    visit::<f64>(&plan, Idle(file)).map_err(explained)?;
+    idle(file, &plan).map_err(explained)?;
     let constant = file.constant_loads();
     if plan.shaft.is_none() && !constant.is_empty() {
         // A shaft without sections is rigid, and takes them.
@@ -40,66 +37,50 @@ pub fn plan(file: &SpindleFile, core: Option<Core>) -> Result<Plan, DesignFileEr
         // The monitor's settings say where loads act.
         shaft.loaded_at = 0.0;
     }
-    visit::<f32>(&plan, Check(file, core)).map_err(explained)?;
+    check(file, &plan, core).map_err(explained)?;
     Ok(plan)
 }
 
-/// Looks whether the idling spindle has an equilibrium, from which the monitor starts.
-struct Idle<'f>(&'f SpindleFile);
-
-impl<'p> Visitor<'p, f64> for Idle<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        spindle: Spindle<'p, f64, R, MOST_BALLS, D, E>,
-        _: f64,
-    ) -> Result<(), BuildError> {
-        let growths = self.0.growths();
-        let at = Speed::rad_per_s(0.0).with_growth(from_fn(|i| growths[i][0]));
-        let mut solver = SpindleSolver::<f64, R, MOST_BALLS, Static, D, E>::of();
-        let solved = solver.solve(&spindle, self.0.monitor.idle, at, &Settings::DEFAULT);
-        solved.map(|_| ()).map_err(|status| {
-            BuildError::Spindle(format!(
-                "the idling spindle, from which the monitor starts, has no equilibrium ({status}): give a preload, or the loads of \
-                 idling in [monitor.idle]"
-            ))
-        })
-    }
+/// Refuses a spindle that has no equilibrium when it idles, from which the monitor starts.
+fn idle(file: &SpindleFile, plan: &Plan) -> Result<(), BuildError> {
+    let parts = Parts::of(plan)?;
+    let spindle = parts.spindle(plan)?;
+    let growth: Vec<_> = file.growths().iter().map(|of| of[0]).collect();
+    let at = Speed::rad_per_s(0.0).with_growth(growths(&growth));
+    let mut solver = DynSolver::<f64, Static>::of();
+    let solved = solver.solve(&spindle, file.monitor.idle, at, &Settings::DEFAULT);
+    solved.map(|_| ()).map_err(|status| {
+        BuildError::Spindle(format!(
+            "the idling spindle, from which the monitor starts, has no equilibrium ({status}): give a preload, or the loads of \
+             idling in [monitor.idle]"
+        ))
+    })
 }
 
-/// Looks whether the monitor's settings are in order, and a tick of the core has the time.
-struct Check<'f>(&'f SpindleFile, Option<Core>);
-
-impl<'p> Visitor<'p, f32> for Check<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        spindle: Spindle<'p, f32, R, MOST_BALLS, D, E>,
-        _: f64,
-    ) -> Result<(), BuildError> {
-        let error = |text: String| Err(BuildError::Spindle(text));
-        let settings = settings::<R>(self.0, &self.1.unwrap_or(Core::STM32F405));
-        if let Err(wrong) = settings.check() {
-            return error(wrong.to_string());
-        }
-        let most = spindle.ball_counts().into_iter().max().unwrap_or_default();
-        if let Some(Core { chip, .. }) = self.1
-            && !settings.tick.has_time(R, most.into())
-        {
-            return error(format!(
-                "a tick of {} ms on the {chip} has no time for parts of a solve with {R} rows of {most} balls: give a longer `period_ms` \
-                 in [monitor]",
-                settings.tick.period_us / 1000
-            ));
-        }
-        Ok(())
+/// Refuses settings that are not in order, and a spindle whose solve takes more time than a tick of the core has.
+fn check(file: &SpindleFile, plan: &Plan, core: Option<Core>) -> Result<(), BuildError> {
+    let error = |text: String| Err(BuildError::Spindle(text));
+    let parts = Parts::<f32>::of(plan)?;
+    let counts: Vec<u16> = parts.spindle(plan)?.ball_counts().collect();
+    let settings = settings(file, &core.unwrap_or(Core::STM32F405));
+    if let Err(wrong) = settings.check() {
+        return error(wrong.to_string());
     }
+    let (rows, most) = (counts.len(), counts.into_iter().max().unwrap_or_default());
+    if let Some(Core { chip, .. }) = core
+        && !settings.tick.has_time(rows, most.into())
+    {
+        return error(format!(
+            "a tick of {} ms on the {chip} has no time for parts of a solve with {rows} rows of {most} balls: give a longer `period_ms` \
+             in [monitor]",
+            settings.tick.period_us / 1000
+        ));
+    }
+    Ok(())
 }
 
-/// The settings of the monitor of the `R` rows of a file, on this core.
-///
-/// # Panics
-///
-/// If the file has fewer rows.
-pub fn settings<const R: usize>(file: &SpindleFile, core: &Core) -> MonitorSettings<R> {
+/// The settings of the monitor of a file, on this core. Beyond its rows, they are those of the last one.
+pub fn settings(file: &SpindleFile, core: &Core) -> MonitorSettings<MOST_ROWS> {
     let MonitorFile {
         period_us,
         plausible,
@@ -127,6 +108,7 @@ pub fn settings<const R: usize>(file: &SpindleFile, core: &Core) -> MonitorSetti
     let count = |x: u32| u16::try_from(x).unwrap_or(u16::MAX);
     MonitorSettings {
         rows: from_fn(|i| {
+            let i = i.min(growths.len() - 1);
             let LifeRating { inner, outer } = ratings[i];
             let [growth, warm_inner, warm_outer, rotation] = growths[i].map(Growth::to_f32);
             RowSettings {

@@ -1,14 +1,12 @@
 //! Small faults of a spindle, and by how much each lets the probes see more of a usual cut: for naming faults by the ratios.
 
-use super::{Visitor, closed, visit};
+use super::{DynSolver, Parts, closed, growths};
 use crate::designs::DesignFileError;
 use crate::loads::LoadRow;
-use crate::plan::{BuildError, MOST_BALLS, Plan};
+use crate::plan::{BuildError, Plan};
 use crate::probes::{MOST_PROBES, Probe};
 use crate::spindles::SpindleFile;
-use spindle_bearing::{
-    FreeContact, Preload, RacewayControlFree, Settings, Speed, Spindle, SpindleSolver,
-};
+use spindle_bearing::{FreeContact, Preload, Settings, Speed};
 use spindle_monitor::response::Fault;
 use std::array::from_fn;
 use std::f64::consts::PI;
@@ -28,9 +26,8 @@ pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileE
     }
     let explained = |error: BuildError| file.explain(&error);
     // Closures stay as they were mounted.
-    let closed = closed(&file.plan).map_err(explained)?;
-    let plan = closed.as_ref().unwrap_or(&file.plan);
-    let sound = Seen::of(file, plan).map_err(explained)?;
+    let plan = closed(&file.plan).map_err(explained)?;
+    let sound = Seen::of(file, &plan).map_err(explained)?;
     for (probe, by) in file.probes.iter().zip(&sound.displacements) {
         let Probe { name, accuracy, .. } = probe;
         if by.abs() < *accuracy {
@@ -40,7 +37,7 @@ pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileE
             ))));
         }
     }
-    let faults = faults(plan, &sound.closures);
+    let faults = faults(&plan, &sound.closures);
     let changes = faults.into_iter().map(|(fault, plan)| {
         let seen = Seen::of(file, &plan).map_err(explained)?;
         let pairs = seen.displacements.iter().zip(&sound.displacements);
@@ -102,7 +99,6 @@ fn faults(plan: &Plan, closures: &[f64]) -> Vec<(Fault, Plan)> {
 }
 
 /// A spindle under the cut.
-#[derive(Default)]
 struct Seen {
     /// Displacement by the cut at each probe, um.
     displacements: Vec<f64>,
@@ -112,23 +108,10 @@ struct Seen {
 
 impl Seen {
     fn of(file: &SpindleFile, plan: &Plan) -> Result<Self, BuildError> {
-        let mut seen = Self::default();
-        visit::<f64>(plan, Look(file, &mut seen))?;
-        Ok(seen)
-    }
-}
-
-struct Look<'f>(&'f SpindleFile, &'f mut Seen);
-
-impl<'p> Visitor<'p, f64> for Look<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        spindle: Spindle<'p, f64, R, MOST_BALLS, D, E>,
-        loaded_at: f64,
-    ) -> Result<(), BuildError> {
-        let Look(file, seen) = self;
+        let parts = Parts::of(plan)?;
+        let spindle = parts.spindle(plan)?;
         let (cut, speed) = file.monitor.cut;
-        let mut solver = SpindleSolver::<f64, R, MOST_BALLS, RacewayControlFree, D, E>::of();
+        let mut solver = DynSolver::<f64>::new();
         let mut displacement = |share: f64| {
             let question = file.question(&LoadRow {
                 time_s: 0.0,
@@ -137,25 +120,23 @@ impl<'p> Visitor<'p, f64> for Look<'_> {
                 temperatures: file.heat.map(|heat| [heat.reference; 2]),
                 probes: [None; MOST_PROBES],
             });
-            let growth = from_fn(|i| question.growth[i]);
-            let at = Speed::rad_per_s(speed).with_growth(growth);
+            let at = Speed::rad_per_s(speed).with_growth(growths(&question.growth));
             let solution = solver.solve(&spindle, question.load, at, &Settings::DEFAULT);
             let solution = solution.map_err(|status| {
                 BuildError::Spindle(format!(
                     "the cut of [monitor.cut] has no equilibrium ({status}): give the loads of a usual cut"
                 ))
             })?;
-            let sees =
-                |probe: &Probe| probe.sees(&solution.displacement_at(probe.position - loaded_at));
+            let sees = |probe: &Probe| {
+                probe.sees(&solution.displacement_at(probe.position - plan.loaded_at()))
+            };
             Ok(file.probes.iter().map(sees).collect::<Vec<f64>>())
         };
         let (idle, cut) = (displacement(0.0)?, displacement(1.0)?);
-        seen.displacements = cut
-            .iter()
-            .zip(&idle)
-            .map(|(cut, idle)| cut - idle)
-            .collect();
-        seen.closures = spindle.closures().to_vec();
-        Ok(())
+        let pairs = cut.iter().zip(&idle);
+        Ok(Self {
+            displacements: pairs.map(|(cut, idle)| cut - idle).collect(),
+            closures: spindle.closures().collect(),
+        })
     }
 }

@@ -561,10 +561,6 @@ impl Trial {
         let (mut trial, mut draft) = Self::draw(seed, family, index);
         let capacity = draft.capacity();
         let set = Set::draw(&mut draft.r, &draft.design, draft.balls, capacity);
-        if set.plan.rows.len() > 4 {
-            // Outer race control is compiled for one to four rows.
-            trial.case.attitude = Attitude::Raceless;
-        }
         trial.case.name.insert_str(0, "set of ");
         trial.set = Some(set);
         trial

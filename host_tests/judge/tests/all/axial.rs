@@ -1,8 +1,7 @@
 //! One ball for all: the equilibrium under a purely axial load.
 
 use super::solves::{
-    AnySolver, BALL_COUNTS, Balls, GROWN, PRECISIONS, Question, errors, ring_solver, rounded,
-    solver, stated,
+    AnySolver, Balls, GROWN, PRECISIONS, Question, errors, ring_solver, rounded, solver, stated,
 };
 use arbitrary::Unstructured;
 use judge::cases::{self, B218, B7005C, SKF6205, SolvedCase, rad_per_s};
@@ -37,7 +36,7 @@ fn axial(load: f64, omega: f64) -> Question {
 fn solved_cases_that_are_purely_axial_are_solved_with_one_ball() {
     let mut count = 0;
     for SolvedCase { case, truth, .. } in cases::public() {
-        if case.load[1..] != [0.0; 4] || !BALL_COUNTS.contains(&case.balls) {
+        if case.load[1..] != [0.0; 4] {
             continue;
         }
         count += 1;

@@ -355,7 +355,7 @@ impl Pair {
             })
         };
         let spindle = Spindle::new(self.arrangement, [mounted(0), mounted(1)]).unwrap();
-        let closures = spindle.closures();
+        let closures = [0, 1].map(|row| spindle.closures().nth(row).unwrap());
         let growth = [self.grown(0), self.grown(1)];
         let mut nose = ShaftEnd::rigid(self.nose);
         let [radial, axial] = self.flexibility;

@@ -2,6 +2,7 @@
 
 mod axial;
 mod balance;
+mod bounds;
 mod campaign;
 mod compile_fail;
 mod constants;

@@ -3,9 +3,7 @@
 //! `golden/net.txt` has them. A change of the solver that may change answers writes new ones, and says by how much the
 //! answers differ.
 
-use super::solves::{
-    Answer, BALL_COUNTS, Balls, GROWN, PRECISIONS, Question, SKEW, ask, ring_solver,
-};
+use super::solves::{Answer, Balls, GROWN, PRECISIONS, Question, SKEW, ask, ring_solver};
 use cli::random::Random;
 use judge::campaign::families::{Family, Trial};
 use judge::cases::{B7005C, Case, public, sets};
@@ -189,7 +187,7 @@ fn scenes() -> Vec<Line> {
     ];
     let line = |balls: Balls| {
         let mut sum = Checksum::new();
-        for (n, seed) in BALL_COUNTS.into_iter().zip(1..) {
+        for (n, seed) in [5, 8, 16, 33].into_iter().zip(1..) {
             for precision in PRECISIONS {
                 for freedoms in [1, 3, 5] {
                     let case = Case::random_with(seed, Some(n));

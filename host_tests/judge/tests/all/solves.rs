@@ -7,10 +7,11 @@ use spindle_bearing::{
     Motion, OuterRaceControl, RacewayControlFree, Real, Solver, Speed, Static, Status,
 };
 use spindle_file::dispatch::{Precision, narrowed, widened};
-use spindle_file::plan::Plan;
+use spindle_file::mounting::growths;
 pub use spindle_file::plan::Question;
+use spindle_file::plan::{MOST_BALLS, Plan};
 pub use spindle_file::solvers::{Answer, AnySolver, Balls};
-use spindle_file::solvers::{Choices, RowAnswer, given, growths, in_doubles, with_solver};
+use spindle_file::solvers::{Choices, RowAnswer, given, in_doubles, with_solver};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
@@ -84,10 +85,11 @@ pub fn stated(one: &Answer, other: &Answer) -> [f64; 3] {
     from_fn(|i| one.error[i] + other.error[i])
 }
 
-/// A solver, and a bearing that lives as long as the test.
+/// A solver, and a bearing of so many balls that lives as long as the test.
 #[derive(Clone)]
-struct Asked<T: 'static, const N: usize, S> {
-    bearing: &'static Bearing<T, N>,
+struct Asked<T: 'static, S> {
+    bearing: &'static Bearing<T, MOST_BALLS>,
+    count: usize,
     solver: S,
     choices: Choices,
 }
@@ -130,11 +132,9 @@ fn answer<T: Real, const D: usize>(
     }
 }
 
-impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver
-    for Asked<T, N, Solver<T, N, M, D>>
-{
+impl<T: Real, M: Motion, const D: usize> AnySolver for Asked<T, Solver<T, MOST_BALLS, M, D>> {
     fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>> {
-        let at = speed::<T, M>(question).with_growth(growths(question));
+        let at = speed::<T, M>(question).with_growth(growths(&question.growth));
         let (given, settings) = (given::<T, D>(question), self.choices.settings());
         let solved = self.solver.solve(self.bearing, given, at, &settings);
         let s = solved.map_err(narrowed)?;
@@ -156,15 +156,15 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> AnySolver
     }
 }
 
-impl<T: Real, const N: usize, M: Motion> AnySolver for Asked<T, N, AxialSolver<T, M>> {
+impl<T: Real, M: Motion> AnySolver for Asked<T, AxialSolver<T, M>> {
     fn solve(&mut self, question: &Question) -> Result<Answer, Status<f32>> {
-        let at = speed::<T, M>(question).with_growth(growths(question));
+        let at = speed::<T, M>(question).with_growth(growths(&question.growth));
         let ([given], settings) = (given::<T, 1>(question), self.choices.settings());
         let solved = self.solver.solve(self.bearing, given, at, &settings);
         let s = solved.map_err(narrowed)?;
-        let mut balls = vec![widened(&s.ball()); N];
+        let mut balls = vec![widened(&s.ball()); self.count];
         for (j, ball) in balls.iter_mut().enumerate() {
-            ball.azimuth += TAU * j as f64 / N as f64;
+            ball.azimuth += TAU * j as f64 / self.count as f64;
         }
         let (ended, vectors) = ((s.status, s.iterations), [[s.displacement], [s.load]]);
         Ok(answer(ended, vectors, [[s.stiffness()]], &s.error, balls))
@@ -183,47 +183,31 @@ impl<T: Real, const N: usize, M: Motion> AnySolver for Asked<T, N, AxialSolver<T
     }
 }
 
-fn of_motion<T: Real, const N: usize, M: Motion>(
-    bearing: &'static Bearing<T, N>,
+fn of_motion<T: Real, M: Motion>(
+    design: &Design,
+    count: usize,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
-    fn asked<T: Real, const N: usize, S>(
-        bearing: &'static Bearing<T, N>,
+    let bearing = Box::leak(Box::new(Bearing::with_balls(design, count).unwrap()));
+    fn asked<T, S>(
+        bearing: &'static Bearing<T, MOST_BALLS>,
+        count: usize,
         solver: S,
-    ) -> Box<Asked<T, N, S>> {
+    ) -> Box<Asked<T, S>> {
         Box::new(Asked {
             bearing,
+            count,
             solver,
             choices: Choices::default(),
         })
     }
     match freedoms {
-        1 => asked(bearing, AxialSolver::<T, M>::of()),
-        3 => asked(bearing, Solver::<T, N, M, 3>::of()),
-        5 => asked(bearing, Solver::<T, N, M, 5>::of()),
+        1 => asked(bearing, count, AxialSolver::<T, M>::of()),
+        3 => asked(bearing, count, Solver::<T, MOST_BALLS, M, 3>::of()),
+        5 => asked(bearing, count, Solver::<T, MOST_BALLS, M, 5>::of()),
         _ => panic!("no ring has {freedoms} freedoms"),
     }
 }
-
-fn of_count<T: Real, const N: usize>(
-    design: &Design,
-    balls: Balls,
-    freedoms: usize,
-) -> Box<dyn AnySolver> {
-    let bearing = Box::leak(Box::new(Bearing::<T, N>::of(design).unwrap()));
-    let of = match balls {
-        Balls::Static => of_motion::<T, N, Static>,
-        Balls::Centrifugal => of_motion::<T, N, Centrifugal>,
-        Balls::CentrifugalOuter => of_motion::<T, N, Centrifugal<OuterRaceControl>>,
-        Balls::Free => of_motion::<T, N, RacewayControlFree>,
-        Balls::Outer => of_motion::<T, N, OuterRaceControl>,
-        Balls::Inner => of_motion::<T, N, InnerRaceControl>,
-    };
-    of(bearing, freedoms)
-}
-
-/// Ball counts that there are solvers for: each takes its time to compile.
-pub const BALL_COUNTS: [usize; 4] = [5, 8, 16, 33];
 
 fn of_precision<T: Real>(
     design: &Design,
@@ -231,14 +215,15 @@ fn of_precision<T: Real>(
     balls: Balls,
     freedoms: usize,
 ) -> Box<dyn AnySolver> {
-    let of = match n {
-        5 => of_count::<T, 5>,
-        8 => of_count::<T, 8>,
-        16 => of_count::<T, 16>,
-        33 => of_count::<T, 33>,
-        _ => panic!("no solver for {n} balls"),
+    let of = match balls {
+        Balls::Static => of_motion::<T, Static>,
+        Balls::Centrifugal => of_motion::<T, Centrifugal>,
+        Balls::CentrifugalOuter => of_motion::<T, Centrifugal<OuterRaceControl>>,
+        Balls::Free => of_motion::<T, RacewayControlFree>,
+        Balls::Outer => of_motion::<T, OuterRaceControl>,
+        Balls::Inner => of_motion::<T, InnerRaceControl>,
     };
-    of(design, balls, freedoms)
+    of(design, n, freedoms)
 }
 
 /// A solver for a ring of 1, 3 or 5 freedoms.

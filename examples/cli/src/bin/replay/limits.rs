@@ -5,48 +5,16 @@ use anyhow::{Context, Result, anyhow, ensure};
 use cli::replay::{ReplayError, Summary, Table};
 use cli::stream::per_tick::PerTick;
 use cli::stream::{ROOM, TEMPERATURES};
-use spindle_bearing::{Spindle, Status};
 use spindle_file::monitors::{self, AlarmLevels};
-use spindle_file::mounting::{Parts, Visitor, board};
-use spindle_file::plan::{BuildError, MOST_BALLS};
+use spindle_file::mounting::{MOST_JOINTS, Parts, board};
+use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Marks, Monitor, Outcome, Readings};
+use spindle_monitor::{Alarm, Marks, Monitor, Readings};
 use std::io::{self, Write};
-
-/// A monitor of any spindle.
-trait AnyMonitor {
-    /// Solves the idling spindle.
-    fn prepare(&mut self, idle: [f32; 5]) -> Result<(), Status<f32>>;
-
-    /// A tick, after which the link takes the telemetry that it has room for.
-    fn tick(&mut self, time_us: u64, readings: &Readings) -> Outcome;
-
-    /// Acknowledges an alarm; its level.
-    fn acknowledge(&mut self, time_us: u64, alarm: Alarm) -> f32;
-}
-
-impl<const R: usize, const F: usize, const D: usize, const E: usize> AnyMonitor
-    for Monitor<R, MOST_BALLS, F, D, E>
-{
-    fn prepare(&mut self, idle: [f32; 5]) -> Result<(), Status<f32>> {
-        self.prepare(idle)
-    }
-
-    fn tick(&mut self, time_us: u64, readings: &Readings) -> Outcome {
-        let outcome = self.tick(time_us, readings, &mut NoCycles, &mut NoWatchdog);
-        (0..ROOM).map_while(|_| self.outbox().next_byte()).count();
-        outcome
-    }
-
-    fn acknowledge(&mut self, time_us: u64, alarm: Alarm) -> f32 {
-        self.acknowledge(time_us, alarm);
-        self.judgement().alarm(alarm).level().value
-    }
-}
 
 /// Boards by name.
 pub const BOARDS: [(&str, &str, Core); 2] = [
@@ -54,39 +22,20 @@ pub const BOARDS: [(&str, &str, Core); 2] = [
     ("h743", "STM32H743", Core::STM32H743),
 ];
 
+/// A monitor of any spindle.
+type DynMonitor = Monitor<MOST_ROWS, MOST_BALLS, 12, 6, MOST_JOINTS>;
+
 /// Makes the monitor of a file on a board. It stays until the program ends, as the board's does.
-struct Make<'m> {
-    file: &'m SpindleFile,
-    core: Core,
-    monitor: &'m mut Option<Box<dyn AnyMonitor>>,
-}
-
-impl Visitor<'static, f32> for Make<'_> {
-    fn visit<const R: usize, const D: usize, const E: usize>(
-        self,
-        spindle: Spindle<'static, f32, R, MOST_BALLS, D, E>,
-        _: f64,
-    ) -> Result<(), BuildError> {
-        let settings = board::settings::<R>(self.file, &self.core);
-        let (spindle, settings) = (Box::leak(Box::new(spindle)), Box::leak(Box::new(settings)));
-        let monitor: Monitor<R, MOST_BALLS, 12, D, E> = Monitor::new(spindle, settings);
-        *self.monitor = Some(Box::new(monitor));
-        Ok(())
-    }
-}
-
-fn monitor_of(file: &SpindleFile, core: Core) -> Result<Box<dyn AnyMonitor>> {
+fn monitor_of(file: &SpindleFile, core: Core) -> Result<Box<DynMonitor>> {
     let plan = board::plan(file, Some(core))?;
-    let mut monitor = None;
-    let make = Make {
-        file,
-        core,
-        monitor: &mut monitor,
-    };
-    let parts = Parts::of(&plan).map(|parts| &*Box::leak(Box::new(parts)));
-    let made = parts.and_then(|parts| parts.visit(&plan, make));
-    made.map_err(|error| file.explain(&error))?;
-    monitor.context("no monitor was made")
+    let explained = |error: BuildError| file.explain(&error);
+    let parts: &'static Parts<f32> = Box::leak(Box::new(Parts::of(&plan).map_err(explained)?));
+    let spindle = parts.spindle(&plan).map_err(explained)?;
+    let settings = Box::leak(Box::new(board::settings(file, &core)));
+    Ok(Box::new(Monitor::new(
+        Box::leak(Box::new(spindle)),
+        settings,
+    )))
 }
 
 /// Runs the monitor over the recording, and writes the alarms to standard output.
@@ -117,13 +66,18 @@ pub fn run(args: &Args) -> Result<Summary> {
             speed: None,
             temperatures: tick.temperatures.filter(|_| is_turn),
         };
-        let outcome = monitor.tick(time_us, &readings);
+        let outcome = monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
+        // The link takes the telemetry that it has room for.
+        (0..ROOM)
+            .map_while(|_| monitor.outbox().next_byte())
+            .count();
         for mark in outcome.marks.iter() {
             doubts[mark as usize] += 1;
         }
         for change in &outcome.changes {
             let alarm = change.alarm;
-            let level = monitor.acknowledge(time_us, alarm);
+            monitor.acknowledge(time_us, alarm);
+            let level = monitor.judgement().alarm(alarm).level().value;
             let AlarmLevels { limit, clear, .. } = of.alarms[alarm as usize];
             let (event, limit) = match change.change {
                 AlarmChange::Raised if standing.insert(alarm) => ("raised", limit),

@@ -271,12 +271,12 @@ const ATTITUDES: [(&str, &str, Attitude); 3] = [
     ),
     (
         "outer",
-        "Outer race control: no spin at the outer race; for one to four rows",
+        "Outer race control: no spin at the outer race",
         Attitude::Outer,
     ),
     (
         "inner",
-        "Inner race control: no spin at the inner race; for one or two rows, not for loads that lift balls off it",
+        "Inner race control: no spin at the inner race; not for loads that lift balls off it",
         Attitude::Inner,
     ),
 ];
@@ -290,7 +290,7 @@ const MOTIONS: [(&str, &str, Motion); 3] = [
     ),
     (
         "centrifugal",
-        "Under centrifugal force alone; for one or two rows",
+        "Under centrifugal force alone",
         Motion::Centrifugal,
     ),
     ("full", "With all inertia loads", Motion::Full),

@@ -3,7 +3,7 @@
 mod judge;
 mod special_cases;
 
-use crate::solves::{BALL_COUNTS, Balls, PRECISIONS, Question, solver};
+use crate::solves::{Balls, PRECISIONS, Question, solver};
 use ::judge::campaign::Plan;
 use ::judge::campaign::families::{Family, Trial};
 use ::judge::cases::{B218, B7005C, SKF6205};
@@ -39,8 +39,9 @@ const DRAWN: [Family; 14] = {
     drawn
 };
 
-/// Cases of a family; for most of them there is no solver of that many balls.
+/// Cases of a family, and the ball counts of those that are judged.
 const CASES: usize = 150;
+const BALL_COUNTS: [usize; 4] = [5, 8, 16, 33];
 
 /// Judges a trial with every ring, in both precisions.
 fn judge_rings(trial: &Trial, balls: Balls, rings: &[Ring], tallies: &mut [Tally]) {

@@ -68,7 +68,9 @@ impl Checksum {
             let s = solver
                 .solve(&pair, load, speed, &Settings::DEFAULT)
                 .unwrap();
-            self.add((s.snapshot(), s.summary(&Limits::DEFAULT, &[rating(); 2])));
+            self.add(s.snapshot());
+            let rows = s.summary(&Limits::DEFAULT, &[rating(); 2]);
+            rows.for_each(|row| self.add(row));
         }
     }
 }

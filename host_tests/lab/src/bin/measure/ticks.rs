@@ -184,7 +184,7 @@ impl Board {
         let words = image.symbol("MEASURED_TICK")?;
         machine.count_at(image.symbol("MEASURED_CYCLES")?)?;
         let lines = image.lines()?;
-        let ticker = Ticker::new(&self.settings.tick, &SPINDLE.ball_counts());
+        let ticker = Ticker::new(&self.settings.tick, SPINDLE.ball_counts());
         let (mut all, mut passed) = (Vec::with_capacity(ticks.len()), 0);
         for (number, tick) in ticks.iter().enumerate() {
             ensure!(
@@ -434,7 +434,7 @@ mod tests {
 
     #[test]
     fn passes_are_between_looks_at_the_counter() {
-        let ticker = Ticker::new(&F405.tick, &SPINDLE.ball_counts());
+        let ticker = Ticker::new(&F405.tick, SPINDLE.ball_counts());
         let [first, row] = ["Ticker", "has_a_row_more"];
         let askers = [
             first,
