@@ -21,6 +21,7 @@ pub mod operator;
 pub mod picture;
 #[cfg(feature = "board")]
 pub mod session;
+#[cfg(feature = "simulated")]
 pub mod simulated;
 #[cfg(feature = "board")]
 pub mod source;
