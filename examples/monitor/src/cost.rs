@@ -12,7 +12,7 @@ impl CycleCost {
         step: 4_000,
         ball_step: 500,
         rows_step: 350,
-        open: 11_000,
+        open: 10_200,
         ball_look: 880,
         ball_report: 1_170,
         probe: 2_500,
