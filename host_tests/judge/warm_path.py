@@ -18,7 +18,7 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 PRIMITIVE_FILES = {"real.rs", "sqrt.rs"}
 PRIMITIVES = "dot dots add sub scale times times_transposed product2 turn".split()
 
