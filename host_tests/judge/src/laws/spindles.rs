@@ -57,105 +57,79 @@ fn in_precision<T: Real>(run: &Run) -> Ends {
             _ => Preload::Spring,
         })
     });
-    let mounted: Vec<_> = mounted.collect();
-    match mounted.len() {
-        1 => of_rows::<T, 1>(run, &mounted),
-        2 => of_rows::<T, 2>(run, &mounted),
-        3 => of_rows::<T, 3>(run, &mounted),
-        _ => of_rows::<T, MOST_ROWS>(run, &mounted),
-    }
-}
-
-fn of_rows<T: Real, const R: usize>(run: &Run, mounted: &[Mounted<'_, T, BALLS>]) -> Ends {
     use Arrangement::{BackToBack, ByRows, FaceToFace, Tandem};
-    let rows = from_fn(|i| mounted[i]);
     let named = [ByRows, ByRows, ByRows, BackToBack, FaceToFace, Tandem];
     let arrangement = named[usize::from(run.scene[2]) % named.len()];
-    let ends = match run.spring {
-        None => Spindle::<T, R, BALLS>::new(arrangement, rows)
-            .and_then(|spindle| on_shaft(run, spindle)),
-        Some(force) => {
-            let force = T::of(force * Scale::of(&run.designs[0], BALLS).load[0]);
-            Spindle::sprung(arrangement, rows, force).and_then(|spindle| on_shaft(run, spindle))
-        }
-    };
-    ends.unwrap_or_else(|error| {
-        if let SpindleError::Row {
-            row,
-            value,
-            least,
-            most,
-            ..
-        } = error
-        {
-            assert!(row < R && !(value >= least && value <= most));
-        }
-        Ends::from(["rows"])
-    })
-}
-
-/// On its elastic shaft, if it has one. Pairs alone are compiled for that.
-fn on_shaft<T: Real, const R: usize, const D: usize>(
-    run: &Run,
-    spindle: Spindle<'_, T, R, BALLS, D>,
-) -> Result<Ends, SpindleError<T>> {
-    let Some(elastic) = run.shaft.as_ref().filter(|_| R == 2) else {
-        return Ok(moving(run, spindle));
-    };
-    if const { R == 2 } {
-        let size = run.designs[0].pitch_diameter;
+    let mounted: Vec<_> = mounted.collect();
+    let spring = run.spring.map(|force| T::of(force * scale.load[0]));
+    // Pairs alone are on elastic shafts.
+    let elastic = run.shaft.as_ref().filter(|_| mounted.len() == 2);
+    let size = run.designs[0].pitch_diameter;
+    let sections = elastic.map(|elastic| {
         let of = &elastic.section;
         let [from, to, outer, inner] = [of.from, of.to, of.outer, of.inner].map(|x| x * size);
-        let section = Section {
+        Section {
             from,
             to,
             outer,
             inner,
-        };
-        let Ok(shaft) = Shaft::<T, 1>::new(&[section], &Material::STEEL) else {
-            return Ok(Ends::from(["rows"]));
-        };
-        let support = Support {
-            axial: T::of(elastic.support.axial),
-            radial: T::of(elastic.support.radial),
-            tilting: T::of(elastic.support.tilting),
-        };
-        return Ok(moving(run, spindle.elastic(&shaft, [support; R])?));
+        }
+    });
+    let Ok(shaft) = Shaft::<T, 1>::new(sections.as_slice(), &Material::STEEL) else {
+        return Ends::from(["rows"]);
+    };
+    let support = elastic.map_or(Support::RIGID, |elastic| Support {
+        axial: T::of(elastic.support.axial),
+        radial: T::of(elastic.support.radial),
+        tilting: T::of(elastic.support.tilting),
+    });
+    match Drawn::of_rows(arrangement, &mounted, spring, &shaft, &[support; MOST_ROWS]) {
+        Ok(spindle) => moving(run, spindle),
+        Err(error) => {
+            if let SpindleError::Row {
+                row,
+                value,
+                least,
+                most,
+                ..
+            } = error
+            {
+                assert!(row < mounted.len() && !(value >= least && value <= most));
+            }
+            Ends::from(["rows"])
+        }
     }
-    unreachable!("pairs alone")
 }
 
-fn moving<T: Real, const R: usize, const D: usize, const E: usize>(
-    run: &Run,
-    spindle: Spindle<'_, T, R, BALLS, D, E>,
-) -> Ends {
+/// A spindle of a run: one type, whose rows, sleeve and shaft are drawn.
+type Drawn<'b, T> = Spindle<'b, T, MOST_ROWS, BALLS, 6, { MOST_ROWS + 1 }>;
+type Solver<T, M> = SpindleSolver<T, MOST_ROWS, BALLS, M, 6, { MOST_ROWS + 1 }>;
+
+fn moving<T: Real>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
     match run.scene[1] % 5 {
-        0 => solve::<T, R, Static, D, E>(run, spindle),
-        1 => solve::<T, R, RacewayControlFree, D, E>(run, spindle),
-        2 => solve::<T, R, Centrifugal, D, E>(run, spindle),
-        3 => solve::<T, R, OuterRaceControl, D, E>(run, spindle),
-        _ => solve::<T, R, InnerRaceControl, D, E>(run, spindle),
+        0 => solve::<T, Static>(run, spindle),
+        1 => solve::<T, RacewayControlFree>(run, spindle),
+        2 => solve::<T, Centrifugal>(run, spindle),
+        3 => solve::<T, OuterRaceControl>(run, spindle),
+        _ => solve::<T, InnerRaceControl>(run, spindle),
     }
 }
-
-type Solver<T, const R: usize, M, const D: usize, const E: usize> =
-    SpindleSolver<T, R, BALLS, M, D, E>;
 
 /// A question to a solver.
 #[derive(Debug, Clone, Copy)]
-struct Question<T, const R: usize> {
+struct Question<T> {
     load: [T; 5],
     /// Displacements in the place of loads.
     held: [Option<T>; 5],
     omega: T,
-    growth: [Growth<T>; R],
+    growth: [Growth<T>; MOST_ROWS],
     /// Iterations after which it is cut.
     cut: Option<u8>,
 }
 
 /// Every figure of a solution.
-fn answer<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
-    s: &SpindleSolution<'_, T, R, BALLS, M, D, E>,
+fn answer<T: Real, M: Motion>(
+    s: &SpindleSolution<'_, T, MOST_ROWS, BALLS, M, 6, { MOST_ROWS + 1 }>,
 ) -> Answer<T> {
     let nose = s.rows().next().map_or(T::ZERO, |row| row.position);
     let matrices = [s.stiffness(), s.stiffness_at(nose), s.compliance_at(nose)];
@@ -181,10 +155,7 @@ fn answer<T: Real, const R: usize, M: Motion, const D: usize, const E: usize>(
 }
 
 /// Takes the steps of a run.
-fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize, const E: usize>(
-    run: &Run,
-    spindle: Spindle<'_, T, R, BALLS, D, E>,
-) -> Ends {
+fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
     let scale = Scale::of(&run.designs[0], BALLS);
     let spring = T::of(run.spring.unwrap_or(0.0) * scale.load[0]);
     let settings: Settings<T> = settings_in(run.settings);
@@ -193,7 +164,7 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize, const E: usi
         (row.facing, row.preload == Preload::Spring, pitch)
     });
     let rows: Vec<Place> = rows.collect();
-    let ask = |solver: &mut Solver<T, R, M, D, E>, q: &Question<T, R>, settings: &Settings<T>| {
+    let ask = |solver: &mut Solver<T, M>, q: &Question<T>, settings: &Settings<T>| {
         let mut taken = 0;
         let more_time = || {
             taken += 1;
@@ -222,7 +193,7 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize, const E: usi
         asked
     };
     // Something near, so that a solver would start from what it remembers.
-    let probe = |solver: &Solver<T, R, M, D, E>, near: &Question<T, R>| {
+    let probe = |solver: &Solver<T, M>, near: &Question<T>| {
         let unfinished = format!("{:?}", solver.unfinished(&spindle).map(|s| answer(&s)));
         let question = Question {
             load: near.load.map(|load| load * T::of(0.9)),
@@ -232,13 +203,13 @@ fn solve<T: Real, const R: usize, M: Motion + Copy, const D: usize, const E: usi
         let asked = ask(&mut solver.clone(), &question, &Settings::default());
         format!("{unfinished}, {asked:?}")
     };
-    let fresh = Solver::<T, R, M, D, E>::of();
+    let fresh = Solver::<T, M>::of();
     let (mut solver, mut ends) = (fresh.clone(), Ends::new());
     let mut question = Question {
         load: from_fn(|i| T::of([1e-4, 1e-5, 0.0, 1e-6, 0.0][i] * scale.load[i])),
         held: [None; 5],
         omega: T::ZERO,
-        growth: [Growth::NONE; R],
+        growth: [Growth::NONE; MOST_ROWS],
         cut: None,
     };
     // The last question that was not refused for what it is.
