@@ -42,11 +42,12 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize> Spindle<'b, T,
 }
 
 impl<'b, T: Real, const R: usize, const N: usize, const E: usize> Spindle<'b, T, R, N, 6, E> {
-    /// A spindle of which a program learns everything when it runs: as many rows as there are, at most `R`; some of them in a sleeve
-    /// if there is a `spring` of this force (N); on a shaft that bends or, without sections, does not, each row on its support, or on
-    /// a rigid one where none is given. It has the answers of the type that has no more than is there, in a little more time.
+    /// A spindle of which a program learns everything when it runs.
     ///
-    /// `E` is `R + 1`, or more.
+    /// It has as many `rows` as there are, at most `R`. With a `spring` of this force (N), some sit in a sleeve. A shaft without
+    /// sections is rigid, and so is the support of a row for which none is given. `E` is `R + 1`, or more.
+    ///
+    /// The answers are those of the type that has no more than is there, in a little more time.
     ///
     /// ```
     /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Material, Mounted, Preload, Settings, Shaft, Speed, Spindle, SpindleSolver};

@@ -1,6 +1,7 @@
 //! Times after which alarms are raised and cleared, with levels as often as they come.
 
-use super::spindle::{MONITOR, shipped};
+use super::shipped::shipped;
+use super::spindle::MONITOR;
 use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level, Threshold};
 use spindle_monitor::mock::rig::{IDLE, Rig, at_speed, settings};
 use spindle_monitor::settings::MonitorSettings;

@@ -1,6 +1,7 @@
 //! The monitor while it cuts: teeth that pass, overloads, crashes, and faults that leave it blind.
 
-use super::spindle::{MONITOR, at_nose, shipped};
+use super::shipped::{at_nose, shipped};
+use super::spindle::MONITOR;
 use spindle_bearing::{
     Arrangement, ElasticSpindle, Facing, Material, Mounted, Preload, Section, Shaft, Spindle,
     Support,

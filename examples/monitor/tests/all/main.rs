@@ -8,4 +8,5 @@ mod log;
 mod monitor;
 mod retained;
 mod self_check;
+mod shipped;
 mod spindle;

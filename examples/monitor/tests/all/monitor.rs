@@ -1,6 +1,7 @@
 //! The monitor under faults.
 
-use super::spindle::{MONITOR, SPINDLE, at_nose, shipped};
+use super::shipped::{at_nose, shipped};
+use super::spindle::{MONITOR, SPINDLE};
 use spindle_bearing::{RacewayControlFree, Settings, Solver, Speed, SpindleSolver};
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};

@@ -1,6 +1,7 @@
 //! The solve whose answer is known, on the shipped spindle.
 
-use super::spindle::{SPINDLE, shipped};
+use super::shipped::shipped;
+use super::spindle::SPINDLE;
 use spindle_monitor::BoardReport;
 use spindle_monitor::board::Check;
 use spindle_monitor::mock::rig::SPEED;

@@ -4,7 +4,7 @@ use spindle_bearing::{
     Arrangement, ElasticSpindle, Expansion, Facing, Material, Mounted, Preload, Section, Shaft,
     Spindle, Support,
 };
-use spindle_monitor::mock::rig::{B7005C, BEARING, Rig};
+use spindle_monitor::mock::rig::{B7005C, BEARING};
 use spindle_monitor::settings::{MonitorSettings, RowSettings};
 use spindle_monitor::temperature::TemperatureSettings;
 use spindle_monitor::tick::{Core, TickSettings};
@@ -72,14 +72,3 @@ pub(super) static MONITOR: MonitorSettings<2> = {
     settings.alarms.contact_angle.worse = EDGE;
     settings
 };
-
-/// The spindle and its monitor.
-pub(super) fn shipped() -> Rig<2, 2> {
-    Rig::of(&SPINDLE, &MONITOR, [0.0; 5])
-}
-
-/// Loads at the shipped spindle's nose. A cutter 50 mm in front of it puts this force (N) onto the front bearing.
-pub(super) fn at_nose(force: [f64; 3]) -> [f32; 5] {
-    let [x, y, z] = force.map(|force| 0.55 * force);
-    [x, y, z, 0.05 * z, -0.05 * y].map(|load| load as f32)
-}
