@@ -1,79 +1,43 @@
-//! Error of estimates by the accuracy of their loads.
+//! Error of the displacement at the nose by the accuracy of the loads.
 //!
-//! Now and then the loads of an estimate are solved once more, with one of them off by its accuracy
-//! ([`MonitorSettings::accuracy`](crate::settings::MonitorSettings::accuracy)). The changes add up over the loads: each may be
-//! off by its accuracy in either direction.
+//! `e_i = sum of abs(C_ij) a_j`: by the accuracy `a` of the loads, and displacements `C` at the nose per load where loads are measured.
+//! The changes add up, since each load may be off in either direction.
 
-use crate::telemetry::EstimateReport;
-use core::array::from_fn;
+use crate::settings::ShaftSettings;
 
-/// Time from one load to the next, us: all five within a second.
-pub(crate) const ACCURACY_US: u32 = 200_000;
+/// Compliance at a position of the shaft.
+type Compliance = [[f32; 5]; 5];
 
-/// Changes of the nose's translations (m) and of the largest contact force (N), and relative ones of the stiffness at the nose.
-type Changes = [f32; 9];
-
-/// Changes of an estimate by each load's accuracy.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Sensitivity {
-    /// None before the first, and where the loads had no equilibrium.
-    by_load: [Option<Changes>; 5],
-    /// The load that was last.
-    last: usize,
+/// The position nearest to the loads, of those from the nose to the row next to it: beyond the nose, loads bend nothing that moves it.
+///
+/// Between the rows of an elastic shaft, loads count as if they pressed a rigid arm of the row next to the nose.
+pub(crate) fn place(shaft: &ShaftSettings, rows: impl Iterator<Item = f32>) -> f32 {
+    let ends = rows.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    });
+    let between = |x: f32, [a, b]: [f32; 2]| x.min(a.max(b)).max(a.min(b));
+    let row = between(shaft.nose, ends);
+    between(shaft.loads_at, [row, shaft.nose])
 }
 
-impl Sensitivity {
-    /// The next load that has an accuracy, and its accuracy.
-    pub(crate) fn next(&mut self, accuracy: &[f32; 5]) -> Option<(usize, f32)> {
-        let known = accuracy.iter().copied().enumerate();
-        let mut known = known.filter(|(_, accuracy)| *accuracy > 0.0);
-        let first = known.clone().next()?;
-        let next = known.find(|(load, _)| *load > self.last).unwrap_or(first);
-        self.last = next.0;
-        Some(next)
-    }
-
-    /// Takes the estimate with this load off, beside the one without.
-    pub(crate) fn take(&mut self, load: usize, at: &EstimateReport, off: &EstimateReport) {
-        let [x, y, z, ..] = from_fn::<f32, 5, _>(|i| off.displacement[i] - at.displacement[i]);
-        let [kx, ky, kz, kty, ktz] = from_fn(|i| off.stiffness[i] / at.stiffness[i] - 1.0);
-        let force = off.largest_force - at.largest_force;
-        let changes = [x, y, z, force, kx, ky, kz, kty, ktz].map(f32::abs);
-        if let Some(place) = self.by_load.get_mut(load) {
-            let before = place.unwrap_or(changes);
-            // Teeth come and go: no less than half of it counts once more.
-            *place = Some(from_fn(|i| changes[i].max(0.5 * before[i])));
-        }
-    }
-
-    /// With this load off, there is no equilibrium.
-    pub(crate) fn lose(&mut self, load: usize) {
-        if let Some(place) = self.by_load.get_mut(load) {
-            *place = None;
-        }
-    }
-
-    /// Relative errors of displacement, contact forces and stiffness of an estimate by these accuracies: at most 1, where nothing
-    /// is known.
-    pub(crate) fn errors(&self, report: &EstimateReport, accuracy: &[f32; 5]) -> [f32; 3] {
-        let mut sums = [0.0; 9];
-        for (changes, accuracy) in self.by_load.iter().zip(accuracy) {
-            if !(*accuracy > 0.0) {
-                continue;
-            }
-            let Some(changes) = changes else {
-                return [1.0; 3];
-            };
-            sums = from_fn(|i| sums[i] + changes[i]);
-        }
-        let largest = |numbers: &[f32]| numbers.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
-        let [x, y, z, force, stiffness @ ..] = sums;
-        let [ux, uy, uz, ..] = report.displacement;
-        let errors = [
-            largest(&[x, y, z]) / largest(&[ux, uy, uz]).max(f32::MIN_POSITIVE),
-            force / report.largest_force.max(f32::MIN_POSITIVE),
-            largest(&stiffness),
-        ];
-        errors.map(|error| error.min(1.0))
-    }
+/// Errors (m) of the nose's translations, by the compliance at the [`place`].
+pub(crate) fn errors(
+    at_place: &Compliance,
+    place: f32,
+    shaft: &ShaftSettings,
+    accuracy: &[f32; 5],
+) -> [f32; 3] {
+    let [to_loads, to_nose] = [shaft.loads_at - place, shaft.nose - place];
+    let row = |i: usize| {
+        let [x, y, z, ty, tz] = at_place[i];
+        [x, y + to_loads * tz, z - to_loads * ty, ty, tz]
+    };
+    let [x, y, z, ty, tz] = [0, 1, 2, 3, 4].map(row);
+    let sum = |along: [f32; 5], tilt: f32, with: [f32; 5]| {
+        let parts = along.iter().zip(with).zip(accuracy);
+        parts
+            .map(|((c, turn), a)| (c + tilt * turn).abs() * a)
+            .sum()
+    };
+    [sum(x, 0.0, ty), sum(y, to_nose, tz), sum(z, -to_nose, ty)]
 }

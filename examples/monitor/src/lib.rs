@@ -632,7 +632,6 @@ impl<
                     self.reports.status = status;
                     self.counts.refusals = self.counts.refusals.saturating_add(1);
                 }
-                Err((Purpose::Accuracy(load), _)) => self.reports.lose_accuracy(load),
                 Err((Purpose::Life(_), _)) | Ok(()) => {}
             }
         }
@@ -654,10 +653,10 @@ impl<
                     return false;
                 }
                 Some(Some((status, computed))) => {
-                    let Some(wanted) = self.see(&ended, status, computed, levels) else {
+                    if !self.see(&ended, status, computed, levels) {
                         return false;
-                    };
-                    is_new = wanted;
+                    }
+                    is_new = true;
                 }
             }
         }
@@ -665,8 +664,7 @@ impl<
         let Some(rows) = ended.all() else {
             return false;
         };
-        let is_for_accuracy = matches!(task.purpose, Purpose::Accuracy(_));
-        if !is_for_accuracy && !self.reports.wants_something() {
+        if !self.reports.wants_something() {
             return is_new;
         }
         if !time.has_a_report() {
@@ -674,16 +672,9 @@ impl<
             return is_new;
         }
         let (reports, opposed) = (&mut self.reports, self.watch.is_opposed());
-        self.tracker
-            .look(task, self.settings, |solution| match task.purpose {
-                Purpose::Accuracy(load) => {
-                    reports.see_accuracy(load, task, solution, rows, self.settings)
-                }
-                _ => reports.see(task, solution, rows, opposed, self.settings),
-            });
-        if !is_for_accuracy && let Some(task) = self.reports.accuracy_of(task, self.settings) {
-            self.tracker.begin(task);
-        }
+        self.tracker.look(task, self.settings, |solution| {
+            reports.see(task, solution, rows, opposed, self.settings);
+        });
         is_new
     }
 
@@ -713,24 +704,23 @@ impl<
         })
     }
 
-    /// Takes levels and life of an equilibrium with all of its rows; whether it is an estimate, and none of a task for the life
-    /// alone.
+    /// Takes levels and life of an equilibrium with all of its rows; whether it is an estimate, not one for the life alone.
     fn see(
         &mut self,
         ended: &Ended<R>,
         status: Status<f32>,
         computed: [f32; P],
         levels: &mut Levels,
-    ) -> Option<bool> {
-        let (task, rows) = (&ended.task, ended.all()?);
+    ) -> bool {
+        let task = &ended.task;
+        let Some(rows) = ended.all() else {
+            return false;
+        };
         let square = self.settings.plausibility.square(&task.sample.load);
         if let Purpose::Life(scale) = task.purpose {
             let damage = damage_of(rows) * scale * scale * scale;
             self.life.set_damage(damage, square * scale * scale);
-            return None;
-        }
-        if let Purpose::Accuracy(_) = task.purpose {
-            return Some(false);
+            return false;
         }
         self.watch.rows(rows, levels);
         self.life.set_damage(damage_of(rows), square);
@@ -744,7 +734,7 @@ impl<
             let load = &task.sample.load;
             self.probes.pairs.solved(task.tick, load, computed);
         }
-        Some(true)
+        true
     }
 
     /// Whether the estimate is of a sample that is not too old.

@@ -1,21 +1,20 @@
 //! Reports to the host: when each is due, and the frames that they become.
 
-use crate::accuracy::{ACCURACY_US, Sensitivity};
+use crate::accuracy;
 use crate::board::BoardReport;
 use crate::command::COMMAND_LENGTH;
 use crate::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
 use crate::marks::Marks;
 use crate::outbox::Outbox;
-use crate::plausibility::GoodSample;
 use crate::record;
 use crate::retained::{Past, StartReport};
-use crate::settings::{MonitorSettings, ShaftSettings, TelemetrySettings};
+use crate::settings::{MonitorSettings, TelemetrySettings};
 use crate::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, FRAME_LENGTH,
     HelloReport, LIFT_OFF, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,
     bits_of,
 };
-use crate::tracker::{Purpose, Solved, Task};
+use crate::tracker::{Solved, Task};
 use core::array::from_fn;
 use heapless::Vec;
 use spindle_bearing::{BallState, Facing, RowSummary, Spindle, Status};
@@ -54,7 +53,6 @@ struct Due {
     health: Every,
     standing: Every,
     hello: Every,
-    accuracy: Every,
 }
 
 /// The estimate that was taken for a report.
@@ -83,7 +81,8 @@ pub(crate) struct Reports<const R: usize, const N: usize, const FRAMES: usize> {
     pub(crate) outbox: Outbox<FRAMES>,
     hello: HelloReport,
     taken: Option<Taken<R>>,
-    sensitivity: Sensitivity,
+    /// Where the loads' accuracy is taken for an error at the nose ([`accuracy::place`]), m.
+    place: f32,
     /// How the last solve ended.
     pub(crate) status: Status<f32>,
     picture: Option<Picture<N>>,
@@ -110,7 +109,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 shaft: shaft_report(spindle, settings),
             },
             taken: None,
-            sensitivity: Sensitivity::default(),
+            place: accuracy::place(&settings.shaft, spindle.positions()),
             status: Status::Converged,
             picture: None,
             wants_estimate: false,
@@ -121,7 +120,6 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 health: part(0),
                 standing: part(3),
                 hello: part(0),
-                accuracy: part(0),
             },
         }
     }
@@ -191,11 +189,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
     ) {
         if self.wants_estimate {
             self.wants_estimate = false;
-            let mut report = estimate_report(task, solution, rows, opposed, &settings.shaft);
-            let by_loads = self.sensitivity.errors(&report, &settings.accuracy);
-            for (error, more) in report.error.iter_mut().zip(by_loads) {
-                *error += more;
-            }
+            let report = estimate_report(task, solution, rows, opposed, self.place, settings);
             self.taken = Some(Taken {
                 tick: task.tick,
                 report,
@@ -215,53 +209,6 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
                 sent: 0,
             });
         }
-    }
-
-    /// The task that follows the one of an estimate: one of its loads is off. Some of the estimates that were taken have one.
-    pub(crate) fn accuracy_of(
-        &mut self,
-        task: &Task<R>,
-        settings: &MonitorSettings<R>,
-    ) -> Option<Task<R>> {
-        let GoodSample { time_us, load, .. } = task.sample;
-        let is_taken = self
-            .taken
-            .as_ref()
-            .is_some_and(|taken| taken.tick == task.tick);
-        if !is_taken || !self.due.accuracy.is_due(time_us, ACCURACY_US) {
-            return None;
-        }
-        let (which, accuracy) = self.sensitivity.next(&settings.accuracy)?;
-        let load = from_fn(|i| load[i] + if i == which { accuracy } else { 0.0 });
-        Some(Task {
-            sample: GoodSample {
-                load,
-                ..task.sample
-            },
-            purpose: Purpose::Accuracy(which),
-            rows: 0,
-            ..*task
-        })
-    }
-
-    /// Takes the equilibrium of such a task.
-    pub(crate) fn see_accuracy<const D: usize, const E: usize>(
-        &mut self,
-        load: usize,
-        task: &Task<R>,
-        solution: &Solved<'_, R, N, D, E>,
-        rows: &[RowSummary<f32>],
-        settings: &MonitorSettings<R>,
-    ) {
-        if let Some(taken) = &self.taken {
-            let off = estimate_report(task, solution, rows, false, &settings.shaft);
-            self.sensitivity.take(load, &taken.report, &off);
-        }
-    }
-
-    /// Such a task has no equilibrium.
-    pub(crate) fn lose_accuracy(&mut self, load: usize) {
-        self.sensitivity.lose(load);
     }
 
     /// The last solve gave no estimate.
@@ -445,9 +392,22 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     solution: &Solved<'_, R, N, D, E>,
     rows: &[RowSummary<f32>],
     opposed: bool,
-    shaft: &ShaftSettings,
+    place: f32,
+    settings: &MonitorSettings<R>,
 ) -> EstimateReport {
+    let MonitorSettings {
+        shaft, accuracy, ..
+    } = settings;
+    let displacement = solution.displacement_at(shaft.nose);
     let (mut compliance, mut errors) = solution.compliance_with_error_at(shaft.nose);
+    let at_place = if place == shaft.nose {
+        compliance
+    } else {
+        solution.compliance_at(place)
+    };
+    let by_loads = accuracy::errors(&at_place, place, shaft, accuracy);
+    let [x, y, z, ..] = displacement;
+    let by_loads = largest(by_loads) / largest([x, y, z]).max(f32::MIN_POSITIVE);
     for (i, by) in shaft.flexibility.into_iter().enumerate() {
         let of_rows = compliance[i][i];
         compliance[i][i] += by;
@@ -466,7 +426,7 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
     EstimateReport {
         load: task.sample.load,
         speed: task.sample.speed,
-        displacement: solution.displacement_at(shaft.nose),
+        displacement,
         stiffness: from_fn(|i| 1.0 / compliance[i][i]),
         coupling: (1.0 / compliance[row][column]).clamp(f32::MIN, f32::MAX),
         coupling_row: row as u8,
@@ -475,7 +435,7 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
         largest_force: largest,
         iterations: task.rows.div_ceil((rows.len() as u16).max(1)),
         error: [
-            solution.error.displacement,
+            solution.error.displacement + by_loads.min(1.0),
             solution.error.force,
             errors.into_iter().fold(
                 0.0,
@@ -485,6 +445,10 @@ fn estimate_report<const R: usize, const N: usize, const D: usize, const E: usiz
         limits,
         ..EstimateReport::NONE
     }
+}
+
+fn largest(numbers: [f32; 3]) -> f32 {
+    numbers.into_iter().map(f32::abs).fold(0.0, f32::max)
 }
 
 fn row_report(row: &RowSummary<f32>) -> RowReport {

@@ -135,7 +135,7 @@ pub struct MonitorSettings<const R: usize = 1> {
     pub tick: TickSettings,
     /// Largest estimated error of the stiffness that counts as solved, relative.
     pub tolerance: f32,
-    /// Accuracy of the measured loads, N, N m: by how much each may be off. Of a load with 0, the stated errors say nothing.
+    /// Accuracy of the measured loads, N, N m: by how much each may be off. A load with 0 adds nothing to the displacement's error.
     pub accuracy: [f32; 5],
     /// Bounds of plausible loads and speeds.
     pub plausibility: PlausibilitySettings,

@@ -123,8 +123,8 @@ pub struct EstimateReport {
     pub status: Status<f32>,
     /// Iterations of the estimate.
     pub iterations: u16,
-    /// Estimated relative errors of displacement, contact forces and the worst of `stiffness`: the solver's, and that by the
-    /// accuracy of the loads. Where one is 1 or more, nothing is known.
+    /// Estimated relative errors of displacement, contact forces and the worst of `stiffness`. That of the displacement is the
+    /// solver's and that by the accuracy of the loads; the others are the solver's alone. Where one is 1 or more, nothing is known.
     pub error: [f32; 3],
     /// Physical limits that were passed, one bit each ([`bits_of`]), and [`LIFT_OFF`].
     pub limits: u8,

@@ -24,8 +24,6 @@ pub(crate) enum Purpose {
     Estimate,
     /// The life that the loads use up: the sample's, times this factor.
     Life(f32),
-    /// The change of an estimate with this load off by its accuracy.
-    Accuracy(usize),
 }
 
 /// A sample to be solved.

@@ -123,10 +123,13 @@ fn header(state: &State) -> Vec<Line<'static>> {
          nose {kx:.0}, {ky:.0}, {kz:.0} N/um"
     );
     let mut solve = format!(
-        " estimate {} after {} iterations, good to {:.0e}",
+        " estimate {}, {} iterations",
         report.status.name(),
         report.iterations,
-        report.error[2]
+    );
+    let [displacement, force, stiffness] = report.error;
+    let errors = format!(
+        "; errors: displacement {displacement:.0e}; solve alone: force {force:.0e}, stiffness {stiffness:.0e}"
     );
     let mut doubts = String::new();
     let age = format!(", {} ticks old", report.age);
@@ -143,7 +146,7 @@ fn header(state: &State) -> Vec<Line<'static>> {
     }
     vec![
         Line::from(vec![time, loads.into()]),
-        Line::from(vec![solve.into(), doubts.fg(WORST)]),
+        Line::from(vec![solve.into(), doubts.fg(WORST), errors.into()]),
     ]
 }
 

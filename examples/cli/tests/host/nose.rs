@@ -145,15 +145,16 @@ fn by_gauge<const D: usize, const E: usize>(
     })
 }
 
-/// The last estimate of a monitor under these loads.
+/// The last estimate of a monitor under these loads, each of which may be off by its accuracy.
 fn reported<const D: usize, const E: usize>(
     spindle: &'static Spindle<'static, f32, 2, 16, D, E>,
     omega: f64,
     shaft: ShaftSettings,
+    accuracy: [f64; 5],
 ) -> EstimateReport {
     let mut settings = MonitorSettings::new(&DESIGN_0, 16);
     settings.shaft = shaft;
-    settings.accuracy = [0.0; 5];
+    settings.accuracy = accuracy.map(|load| load as f32);
     settings.tolerance = 1e-3;
     settings.plausibility.stuck_after = 0;
     let settings = Box::leak(Box::new(settings));
@@ -202,7 +203,7 @@ fn check<const D: usize, const E: usize>(
                 nose: nose as f32,
                 flexibility: [0.0, flexibility as f32, flexibility as f32, 0.0, 0.0],
             };
-            let report = reported(narrow, omega, shaft);
+            let report = reported(narrow, omega, shaft, [0.0; 5]);
             let own = [0.0, flexibility, flexibility, 0.0, 0.0];
             let truth = by_gauge(wide, omega, nose);
             let stated = f64::from(report.error[2]);
@@ -229,41 +230,114 @@ fn rows<T: spindle_bearing::Real>(
     ]
 }
 
+/// Where loads act, and a nose: at one place, or one beyond the other. Between the rows an elastic shaft is not judged.
+const PLACES: [[f64; 2]; 5] = [
+    [-0.05, -0.05],
+    [-0.09, -0.04],
+    [-0.03, -0.05],
+    [0.0, -0.05],
+    [0.13, 0.1],
+];
+
+/// The stated error of the displacement is its change by each load that is solved once more, off by its accuracy; changes are added up.
+/// A load without an accuracy adds nothing.
+fn check_accuracy<const D: usize, const E: usize>(
+    kind: &str,
+    wide: &Spindle<'_, f64, 2, 16, D, E>,
+    narrow: Spindle<'static, f32, 2, 16, D, E>,
+) {
+    let narrow = Box::leak(Box::new(narrow));
+    let omega = Speed::rpm(12_000.0).as_rad_per_s();
+    let mut solver = SpindleSolver::<f64, 2, 16, RacewayControlFree, D, E>::of();
+    let settings = Settings {
+        tolerance: 1e-12,
+        ..Settings::default()
+    };
+    let largest = |u: [f64; 3]| u.into_iter().map(f64::abs).fold(0.0, f64::max);
+    for [position, nose] in PLACES {
+        let mut moved = |load: [f64; 5]| -> [f64; 3] {
+            let loads = [ShaftLoad { position, load }];
+            let solved = solver.solve(wide, &loads, Speed::rad_per_s(omega), &settings);
+            let [x, y, z, ..] = solved.unwrap().displacement_at(nose);
+            [x, y, z]
+        };
+        let at = moved(LOAD);
+        let changes: [[f64; 3]; 5] = from_fn(|i| {
+            let mut load = LOAD;
+            load[i] += STEPS[i];
+            let off = moved(load);
+            from_fn(|axis| (off[axis] - at[axis]).abs())
+        });
+        let shaft = ShaftSettings {
+            loads_at: position as f32,
+            nose: nose as f32,
+            flexibility: [0.0, RADIAL as f32, RADIAL as f32, 0.0, 0.0],
+        };
+        let stated = |accuracy| f64::from(reported(narrow, omega, shaft, accuracy).error[0]);
+        let of_solve = stated([0.0; 5]);
+        for exact in [None, Some(0), Some(1), Some(2), Some(3), Some(4)] {
+            let is_off = |i: usize| Some(i) != exact;
+            let accuracy = from_fn(|i| if is_off(i) { STEPS[i] } else { 0.0 });
+            let off = (0..5).filter(|i| is_off(*i)).map(|i| changes[i]);
+            let sum = off.fold([0.0; 3], |sum, u| from_fn(|axis| sum[axis] + u[axis]));
+            let by_loads = stated(accuracy) - of_solve;
+            let ratio = by_loads / (largest(sum) / largest(at));
+            assert!(
+                (ratio - 1.0).abs() < 0.01,
+                "{kind}, {position}, {nose}, {exact:?}: {ratio}"
+            );
+        }
+    }
+}
+
+/// Rigid, sprung and elastic pairs in both precisions, judged in turn.
+macro_rules! judge_pairs {
+    ($check:ident) => {
+        let arrangement = Arrangement::BackToBack;
+        let bearing = Bearing::<f64, 16>::new(&DESIGN_0).unwrap();
+        let section = Section {
+            from: -0.06,
+            to: 0.13,
+            outer: 0.025,
+            inner: 0.008,
+        };
+        let wide_shaft = Shaft::<f64, 1>::new(&[section], &Material::STEEL).unwrap();
+        let narrow_shaft = Shaft::<f32, 1>::new(&[section], &Material::STEEL).unwrap();
+        let narrow_shaft = &*Box::leak(Box::new(narrow_shaft));
+        let clamped =
+            || Spindle::new(arrangement, rows(&bearing, [Preload::Force(200.0); 2])).unwrap();
+        let single =
+            || Spindle::new(arrangement, rows(&BEARING_0, [Preload::Force(200.0); 2])).unwrap();
+        $check("rigid", &clamped(), single());
+
+        let sprung = [Preload::Closure(0.0), Preload::Spring];
+        let wide = Spindle::sprung(arrangement, rows(&bearing, sprung), 250.0);
+        let sprung = [Preload::Closure(0.0), Preload::Spring];
+        let narrow = Spindle::sprung(arrangement, rows(&BEARING_0, sprung), 250.0);
+        $check("sprung", &wide.unwrap(), narrow.unwrap());
+
+        let wide = Support {
+            axial: 400e6,
+            radial: 300e6,
+            ..Support::RIGID
+        };
+        let narrow = Support {
+            axial: 400e6,
+            radial: 300e6,
+            ..Support::RIGID
+        };
+        let wide = clamped().elastic(&wide_shaft, [wide; 2]);
+        let narrow = single().elastic(narrow_shaft, [narrow; 2]);
+        $check("elastic", &wide.unwrap(), narrow.unwrap());
+    };
+}
+
 #[test]
 fn the_stiffness_at_the_nose_of_a_monitor_is_a_dial_gauges_within_its_error() {
-    let arrangement = Arrangement::BackToBack;
-    let bearing = Bearing::<f64, 16>::new(&DESIGN_0).unwrap();
-    let section = Section {
-        from: -0.06,
-        to: 0.13,
-        outer: 0.025,
-        inner: 0.008,
-    };
-    let wide_shaft = Shaft::<f64, 1>::new(&[section], &Material::STEEL).unwrap();
-    let narrow_shaft = Shaft::<f32, 1>::new(&[section], &Material::STEEL).unwrap();
-    let narrow_shaft = &*Box::leak(Box::new(narrow_shaft));
-    let clamped = || Spindle::new(arrangement, rows(&bearing, [Preload::Force(200.0); 2])).unwrap();
-    let single =
-        || Spindle::new(arrangement, rows(&BEARING_0, [Preload::Force(200.0); 2])).unwrap();
-    check("rigid", &clamped(), single());
+    judge_pairs!(check);
+}
 
-    let sprung = [Preload::Closure(0.0), Preload::Spring];
-    let wide = Spindle::sprung(arrangement, rows(&bearing, sprung), 250.0);
-    let sprung = [Preload::Closure(0.0), Preload::Spring];
-    let narrow = Spindle::sprung(arrangement, rows(&BEARING_0, sprung), 250.0);
-    check("sprung", &wide.unwrap(), narrow.unwrap());
-
-    let wide = Support {
-        axial: 400e6,
-        radial: 300e6,
-        ..Support::RIGID
-    };
-    let narrow = Support {
-        axial: 400e6,
-        radial: 300e6,
-        ..Support::RIGID
-    };
-    let wide = clamped().elastic(&wide_shaft, [wide; 2]);
-    let narrow = single().elastic(narrow_shaft, [narrow; 2]);
-    check("elastic", &wide.unwrap(), narrow.unwrap());
+#[test]
+fn the_stated_error_of_the_displacement_is_its_change_by_loads_off_by_their_accuracy() {
+    judge_pairs!(check_accuracy);
 }
