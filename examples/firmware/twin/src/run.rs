@@ -23,7 +23,7 @@ pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
         rows: ROWS,
         period_us: MONITOR.tick.period_us,
     };
-    send(&mut output, &postcard::to_stdvec(&about)?)?;
+    send(&mut output, &postcard::to_extend(&about, Vec::new())?)?;
     let mut marks = [0; Marks::variant_count() as usize];
     let monitor = chain::monitor(&Past::default(), &MONITOR);
     let mut chain = Chain::new(Box::new(monitor));
@@ -58,5 +58,8 @@ pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
         counts: chain.counts(),
         health: chain.health(),
     };
-    Ok(send(&mut output, &postcard::to_stdvec(&ending)?)?)
+    Ok(send(
+        &mut output,
+        &postcard::to_extend(&ending, Vec::new())?,
+    )?)
 }

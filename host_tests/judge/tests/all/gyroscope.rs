@@ -24,6 +24,10 @@ const AXIS: V3 = V3::new(1.0, 0.0, 0.0);
 const STEPS: f64 = 8_000.0;
 const STRIDE: f64 = 20.0;
 
+fn length(a: V3) -> f64 {
+    a.dot(&a).sqrt()
+}
+
 /// `a` turned about the unit vector `axis` (Rodrigues).
 fn turned(a: V3, axis: V3, angle: f64) -> V3 {
     let (sin, cos) = angle.sin_cos();
@@ -134,7 +138,8 @@ impl Ball {
         let cage = self.cage();
         // Seen from the cage, the ball turns about an axis at rest.
         let seen = self.rotation() - AXIS * cage;
-        let (rate, seen) = (seen.norm(), seen.normalize());
+        let rate = length(seen);
+        let seen = seen / rate;
         let place = |p: V3, t: f64| turned(turned(p, seen, rate * t), AXIS, cage * t);
         let h = TAU / cage / STEPS;
         let body = points();
@@ -159,7 +164,7 @@ impl Ball {
             let azimuth = TAU * f64::from(k) / 16.0;
             let [couple, _] = self.supplied(azimuth / self.cage());
             let along = AXIS.cross(&V3::new(0.0, azimuth.cos(), azimuth.sin()));
-            worse(most, (couple - along * mg).norm() / mg.abs())
+            worse(most, length(couple - along * mg) / mg.abs())
         })
     }
 
@@ -177,7 +182,7 @@ impl Ball {
             couple_left -= arm.cross(&both);
         }
         let largest = self.forces[0].max(self.forces[1]);
-        [left.norm() / largest, couple_left.norm() / couple.norm()]
+        [length(left) / largest, length(couple_left) / length(couple)]
     }
 }
 
