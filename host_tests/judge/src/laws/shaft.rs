@@ -5,7 +5,7 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use spindle_bearing::{Design, Facing, Preload, Section, Settings, Support};
 
 /// Most rows of a spindle.
-pub(crate) const MOST_ROWS: usize = 4;
+const MOST_ROWS: usize = 4;
 /// Steps of one run, each of which makes a solve or prepares the next ones.
 const MOST_STEPS: usize = 8;
 

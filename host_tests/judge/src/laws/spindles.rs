@@ -6,13 +6,15 @@ use crate::laws::common::{
     Answer, Asked, Ends, Scale, assert_finite, growth, inspect, refused, run_of, settings_in,
     unharmed,
 };
-use crate::laws::shaft::{MOST_ROWS, Step};
+use crate::laws::shaft::Step;
 use crate::laws::statics::{Place, assert_balances, assert_symmetric};
 use spindle_bearing::{
     Arrangement, Bearing, Centrifugal, Given, Growth, InnerRaceControl, Material, Motion, Mounted,
-    OuterRaceControl, Preload, RacewayControlFree, Real, Section, Settings, Shaft, Speed, Spindle,
-    SpindleError, SpindleSolution, SpindleSolver, Static, Status, Support,
+    OuterRaceControl, Preload, RacewayControlFree, Real, Section, Settings, Shaft, Speed,
+    SpindleError, SpindleSolution, Static, Status, Support,
 };
+use spindle_file::mounting::{DynSolver, DynSpindle, MOST_JOINTS};
+use spindle_file::plan::{MOST_BALLS, MOST_ROWS};
 use std::array::from_fn;
 
 pub use crate::laws::shaft::Run;
@@ -37,8 +39,8 @@ pub fn check(run: &Run) -> Ends {
 fn in_precision<T: Real>(run: &Run) -> Ends {
     let [first, second] = &run.designs;
     let (first, second) = match (
-        Bearing::<T, BALLS>::of(first),
-        Bearing::<T, FEWER>::of(second),
+        Bearing::<T, MOST_BALLS>::with_balls(first, BALLS),
+        Bearing::<T, MOST_BALLS>::with_balls(second, FEWER),
     ) {
         (Ok(first), Ok(second)) => (first, second),
         (Err(error), _) | (_, Err(error)) => return refused(&error),
@@ -83,7 +85,7 @@ fn in_precision<T: Real>(run: &Run) -> Ends {
         radial: T::of(elastic.support.radial),
         tilting: T::of(elastic.support.tilting),
     });
-    match Drawn::of_rows(arrangement, &mounted, spring, &shaft, &[support; MOST_ROWS]) {
+    match DynSpindle::of_rows(arrangement, &mounted, spring, &shaft, &[support; MOST_ROWS]) {
         Ok(spindle) => moving(run, spindle),
         Err(error) => {
             if let SpindleError::Row {
@@ -101,11 +103,7 @@ fn in_precision<T: Real>(run: &Run) -> Ends {
     }
 }
 
-/// A spindle of a run: one type, whose rows, sleeve and shaft are drawn.
-type Drawn<'b, T> = Spindle<'b, T, MOST_ROWS, BALLS, 6, { MOST_ROWS + 1 }>;
-type Solver<T, M> = SpindleSolver<T, MOST_ROWS, BALLS, M, 6, { MOST_ROWS + 1 }>;
-
-fn moving<T: Real>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
+fn moving<T: Real>(run: &Run, spindle: DynSpindle<'_, T>) -> Ends {
     match run.scene[1] % 5 {
         0 => solve::<T, Static>(run, spindle),
         1 => solve::<T, RacewayControlFree>(run, spindle),
@@ -129,7 +127,7 @@ struct Question<T> {
 
 /// Every figure of a solution.
 fn answer<T: Real, M: Motion>(
-    s: &SpindleSolution<'_, T, MOST_ROWS, BALLS, M, 6, { MOST_ROWS + 1 }>,
+    s: &SpindleSolution<'_, T, MOST_ROWS, MOST_BALLS, M, 6, MOST_JOINTS>,
 ) -> Answer<T> {
     let nose = s.rows().next().map_or(T::ZERO, |row| row.position);
     let matrices = [s.stiffness(), s.stiffness_at(nose), s.compliance_at(nose)];
@@ -155,7 +153,7 @@ fn answer<T: Real, M: Motion>(
 }
 
 /// Takes the steps of a run.
-fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
+fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: DynSpindle<'_, T>) -> Ends {
     let scale = Scale::of(&run.designs[0], BALLS);
     let spring = T::of(run.spring.unwrap_or(0.0) * scale.load[0]);
     let settings: Settings<T> = settings_in(run.settings);
@@ -164,7 +162,7 @@ fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
         (row.facing, row.preload == Preload::Spring, pitch)
     });
     let rows: Vec<Place> = rows.collect();
-    let ask = |solver: &mut Solver<T, M>, q: &Question<T>, settings: &Settings<T>| {
+    let ask = |solver: &mut DynSolver<T, M>, q: &Question<T>, settings: &Settings<T>| {
         let mut taken = 0;
         let more_time = || {
             taken += 1;
@@ -193,7 +191,7 @@ fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
         asked
     };
     // Something near, so that a solver would start from what it remembers.
-    let probe = |solver: &Solver<T, M>, near: &Question<T>| {
+    let probe = |solver: &DynSolver<T, M>, near: &Question<T>| {
         let unfinished = format!("{:?}", solver.unfinished(&spindle).map(|s| answer(&s)));
         let question = Question {
             load: near.load.map(|load| load * T::of(0.9)),
@@ -203,7 +201,7 @@ fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
         let asked = ask(&mut solver.clone(), &question, &Settings::default());
         format!("{unfinished}, {asked:?}")
     };
-    let fresh = Solver::<T, M>::of();
+    let fresh = DynSolver::<T, M>::of();
     let (mut solver, mut ends) = (fresh.clone(), Ends::new());
     let mut question = Question {
         load: from_fn(|i| T::of([1e-4, 1e-5, 0.0, 1e-6, 0.0][i] * scale.load[i])),
@@ -223,7 +221,8 @@ fn solve<T: Real, M: Motion + Copy>(run: &Run, spindle: Drawn<'_, T>) -> Ends {
                 continue;
             }
             Step::Grow(rows) => {
-                let of_row = |i: usize| growth(rows[i].map(|x| x * scale.displacement[0]));
+                let lengths = |x: [f64; 3]| growth(x.map(|x| x * scale.displacement[0]));
+                let of_row = |i: usize| rows.get(i).map_or(Growth::NONE, |x| lengths(*x));
                 question.growth = from_fn(of_row);
                 continue;
             }

@@ -8,12 +8,13 @@ use spindle_bearing::{
     SpindleSolver, Status, Support,
 };
 use spindle_file::mounting::{DynSolver, DynSpindle, growths};
-use spindle_file::plan::MOST_BALLS;
+use spindle_file::plan::{MOST_BALLS, MOST_ROWS};
 use std::array::from_fn;
 
 /// Balls of a row, and the number that its type has room for.
 const BALLS: usize = 16;
 const SOLVES: usize = 250;
+const BY_ROWS: Arrangement = Arrangement::ByRows;
 
 /// Rows that a test draws, and what is around them.
 struct Drawn<T> {
@@ -150,51 +151,65 @@ fn compare<T: Real, const R: usize, const D: usize, const E: usize>(
     answers
 }
 
-/// Rows of a number and a kind, of exact types and of the program's.
-fn answers<T: Real, const R: usize>(r: &mut Random) -> [usize; 3] {
-    from_fn(|kind| {
-        let (is_sprung, bends) = (kind == 1 && R > 1, kind == 2);
-        let drawn = Drawn::<T>::of(R, is_sprung, bends, r);
-        let designs = drawn.designs.iter();
-        let exact: Vec<_> = designs
-            .clone()
-            .map(|of| Bearing::<T, BALLS>::of(of).unwrap())
-            .collect();
-        let dynamic = designs.map(|of| Bearing::<T, MOST_BALLS>::with_balls(of, BALLS).unwrap());
-        let dynamic: Vec<_> = dynamic.collect();
-        let shaft = Shaft::<T, 2>::new(&drawn.sections, &Material::STEEL).unwrap();
-        let (by_rows, rows) = (Arrangement::ByRows, drawn.mounted(&dynamic));
-        let spindle = Spindle::of_rows(by_rows, &rows, drawn.spring, &shaft, &drawn.supports);
-        let spindle = spindle.unwrap();
-        let rows = drawn.mounted(&exact);
-        let rows: [Mounted<'_, T, BALLS>; R] = from_fn(|i| rows[i]);
-        match drawn.spring {
-            Some(force) => {
-                let sprung = Spindle::sprung(by_rows, rows, force).unwrap();
-                compare(&sprung, &spindle, r)
-            }
-            None if bends => {
-                let rigid = Spindle::new(by_rows, rows).unwrap();
-                let supports = from_fn(|i| drawn.supports[i]);
-                compare(&rigid.elastic(&shaft, supports).unwrap(), &spindle, r)
-            }
-            None => compare(&Spindle::new(by_rows, rows).unwrap(), &spindle, r),
-        }
+/// Rows of an exact type, which `build` mounts, and of the program's. How many solves have an answer.
+fn answers<T: Real, const R: usize, const D: usize, const E: usize>(
+    drawn: &Drawn<T>,
+    r: &mut Random,
+    build: impl for<'b> FnOnce(
+        [Mounted<'b, T, BALLS>; R],
+        &'b Shaft<T, 2>,
+    ) -> Spindle<'b, T, R, BALLS, D, E>,
+) -> usize {
+    let designs = drawn.designs.iter();
+    let exact = designs.clone().map(|of| Bearing::<T, BALLS>::of(of));
+    let exact: Vec<_> = exact.map(Result::unwrap).collect();
+    let dynamic = designs.map(|of| Bearing::<T, MOST_BALLS>::with_balls(of, BALLS).unwrap());
+    let dynamic: Vec<_> = dynamic.collect();
+    let shaft = Shaft::<T, 2>::new(&drawn.sections, &Material::STEEL).unwrap();
+    let rows = drawn.mounted(&dynamic);
+    let spindle = Spindle::of_rows(BY_ROWS, &rows, drawn.spring, &shaft, &drawn.supports);
+    let rows = drawn.mounted(&exact);
+    compare(&build(from_fn(|i| rows[i]), &shaft), &spindle.unwrap(), r)
+}
+
+fn rigid<T: Real, const R: usize>(r: &mut Random) -> usize {
+    let drawn = Drawn::<T>::of(R, false, false, r);
+    answers::<T, R, 5, 0>(&drawn, r, |rows, _| Spindle::new(BY_ROWS, rows).unwrap())
+}
+
+fn sprung<T: Real>(r: &mut Random) -> usize {
+    let drawn = Drawn::<T>::of(2, true, false, r);
+    let force = drawn.spring.unwrap();
+    answers::<T, 2, 6, 0>(&drawn, r, |rows, _| {
+        Spindle::sprung(BY_ROWS, rows, force).unwrap()
     })
 }
 
+fn elastic<T: Real, const R: usize>(r: &mut Random) -> usize {
+    let drawn = Drawn::<T>::of(R, false, true, r);
+    answers::<T, R, 5, R>(&drawn, r, |rows, shaft| {
+        let rigid = Spindle::new(BY_ROWS, rows).unwrap();
+        rigid
+            .elastic(shaft, from_fn(|i| drawn.supports[i]))
+            .unwrap()
+    })
+}
+
+/// Kinds of rows that other tests have, and as many rows as a program's.
 fn check<T: Real>() {
     let mut r = Random::seeded(3);
-    for answers in [
-        answers::<T, 1>(&mut r),
-        answers::<T, 2>(&mut r),
-        answers::<T, 8>(&mut r),
-    ] {
-        assert!(
-            answers.iter().all(|answers| *answers > SOLVES / 3),
-            "{answers:?}"
-        );
-    }
+    let kinds = [
+        rigid::<T, 1>,
+        rigid::<T, 2>,
+        sprung::<T>,
+        elastic::<T, 2>,
+        elastic::<T, MOST_ROWS>,
+    ];
+    let answers = kinds.map(|answers: fn(&mut Random) -> usize| answers(&mut r));
+    assert!(
+        answers.iter().all(|answers| *answers > SOLVES / 3),
+        "{answers:?}"
+    );
 }
 
 #[test]

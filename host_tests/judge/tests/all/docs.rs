@@ -2,9 +2,10 @@
 
 use judge::cases::B7005C;
 use spindle_bearing::{
-    Arrangement, Bearing, Facing, Material, Mounted, Preload, Settings, Shaft, Speed, Spindle,
-    SpindleSolver, Support,
+    Arrangement, Bearing, Facing, Material, Mounted, Preload, Settings, Shaft, Speed, Support,
 };
+use spindle_file::mounting::{DynSolver, DynSpindle};
+use spindle_file::plan::MOST_BALLS;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -83,30 +84,28 @@ fn the_application_for_rtic_has_the_time_for_its_solve() {
     assert!(cycles > 4.0 / 3.0 * needed, "{cycles} for {needed}");
 }
 
-/// Preload of each row, N, at rest and without loads.
-fn preloads<const R: usize, const E: usize>(
-    spindle: &Spindle<'_, f64, R, 15, 5, E>,
-) -> [String; R] {
-    let mut solver = SpindleSolver::<f64, R, 15, _, 5, E>::new();
-    let found = solver.solve(spindle, [0.0; 5], Speed::rpm(0.0), &Settings::default());
+/// Preload of each row of a rigid shaft, N, at rest and without loads.
+fn preloads(rows: &[Mounted<'_, f64, MOST_BALLS>], supports: &[Support<f64>]) -> Vec<String> {
+    let shaft = Shaft::<f64, 0>::new(&[], &Material::STEEL).unwrap();
+    let spindle = DynSpindle::of_rows(Arrangement::BackToBack, rows, None, &shaft, supports);
+    let (spindle, mut solver) = (spindle.unwrap(), DynSolver::<f64>::new());
+    let found = solver.solve(&spindle, [0.0; 5], Speed::rpm(0.0), &Settings::default());
     let found = found.unwrap();
-    let mut rows = found.rows().map(|row| format!("{:.0}", row.preload()));
-    std::array::from_fn(|_| rows.next().unwrap())
+    let rows = found.rows().map(|row| format!("{:.0}", row.preload()));
+    rows.collect()
 }
 
 #[test]
 fn preload_by_force_is_as_the_guide_says() {
-    let bearing = Bearing::<f64, 15>::new(&B7005C).unwrap();
+    let bearing = Bearing::<f64, MOST_BALLS>::with_balls(&B7005C, 15).unwrap();
     let preload = Preload::Force(300.0);
-    let row_at = |x, facing| Mounted::<f64, 15>::new(&bearing, x, facing).with(preload);
+    let row_at = |x, facing| Mounted::new(&bearing, x, facing).with(preload);
     let [front, second] = [0.0, 0.02].map(|x| row_at(x, Facing::PlusX));
     let [rear, last] = [0.12, 0.14].map(|x| row_at(x, Facing::MinusX));
     let said = |first| row(GUIDE, first)[0];
-    let pair = || Spindle::new(Arrangement::BackToBack, [front, rear]).unwrap();
+    let pair = [front, rear];
 
-    assert_eq!(said("a pair"), format!("{} N", preloads(&pair())[0]));
-    // A shaft without sections is rigid.
-    let shaft = Shaft::<f64, 0>::new(&[], &Material::STEEL).unwrap();
+    assert_eq!(said("a pair"), format!("{} N", preloads(&pair, &[])[0]));
     for (axial, what) in [
         (5e8, "a pair, each outer ring held axially by 500 N/um"),
         (1e8, "a pair, each held axially by 100 N/um"),
@@ -115,14 +114,12 @@ fn preload_by_force_is_as_the_guide_says() {
             axial,
             ..Support::RIGID
         };
-        let pair = pair().elastic(&shaft, [housing; 2]).unwrap();
-        assert_eq!(said(what), format!("{} N", preloads(&pair)[0]), "{what}");
+        let held = preloads(&pair, &[housing; 2]);
+        assert_eq!(said(what), format!("{} N", held[0]), "{what}");
     }
-    let three = Spindle::new(Arrangement::BackToBack, [front, second, rear]).unwrap();
-    let three = preloads(&three).join(", ") + " N";
+    let three = preloads(&[front, second, rear], &[]).join(", ") + " N";
     assert_eq!(said("two rows in tandem against a third (TBT)"), three);
-    let four = Spindle::new(Arrangement::BackToBack, [front, second, rear, last]).unwrap();
-    let four = preloads(&four);
+    let four = preloads(&[front, second, rear, last], &[]);
     assert_eq!(
         said("two rows against two (QBC)"),
         format!("{} N each", four[0])

@@ -182,8 +182,8 @@ fn a_negative_clearance_is_a_growth_without_clearance() {
         ..Design::angular_contact(11.5e-3, 43.5e-3, 0.0)
     };
     let settings = Settings::default();
-    let pressed = Bearing::<f64, 7>::new(&with(-5e-6)).unwrap();
-    let grown = Bearing::<f64, 7>::new(&with(0.0)).unwrap();
+    let pressed = Bearing::<f64, 16>::with_balls(&with(-5e-6), 7).unwrap();
+    let grown = Bearing::<f64, 16>::with_balls(&with(0.0), 7).unwrap();
     let growth = Growth {
         radial: 2.5e-6,
         ..Growth::NONE

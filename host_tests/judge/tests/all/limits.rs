@@ -9,6 +9,7 @@ use spindle_bearing::{
 };
 use spindle_bearing::{Centrifugal, Motion, RacewayControlFree, Settings, Solver, Speed, Static};
 use spindle_file::dispatch::Attitude;
+use spindle_file::plan::MOST_BALLS;
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;
 
@@ -35,8 +36,8 @@ pub fn solve<T: Real, M: Motion>(
     (load, omega): Scene,
     limits: &Limits<f64>,
 ) -> Option<(Margins<T>, Vec<BallState<T>>)> {
-    let bearing = Bearing::<T, 16>::of(design).unwrap();
-    let mut solver = Solver::<T, 16, M>::of();
+    let bearing = Bearing::<T, MOST_BALLS>::with_balls(design, 16).unwrap();
+    let mut solver = Solver::<T, MOST_BALLS, M>::of();
     let limits = Limits {
         peak_pressure: T::of(limits.peak_pressure),
         friction: T::of(limits.friction),

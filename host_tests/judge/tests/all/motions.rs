@@ -9,6 +9,7 @@ use spindle_bearing::{
     SpindleSolver,
 };
 use spindle_file::dispatch::Attitude;
+use spindle_file::plan::MOST_BALLS;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -16,8 +17,8 @@ const OMEGA: f64 = 1200.0;
 
 /// The loaded balls of a bearing turn as the model's page says, and their contacts are Hertz's.
 fn judge<M: Motion>(design: &Design, load: [f64; 5], omega: f64, rule: Attitude) {
-    let bearing = Bearing::<f64, 16>::new(design).unwrap();
-    let mut solver = Solver::<f64, 16, M>::of();
+    let bearing = Bearing::<f64, MOST_BALLS>::with_balls(design, 16).unwrap();
+    let mut solver = Solver::<f64, MOST_BALLS, M>::of();
     let settings = Settings::default();
     let solution = solver
         .solve(&bearing, load, Speed::rad_per_s(omega), &settings)

@@ -7,12 +7,12 @@ use judge::campaign;
 use judge::campaign::families::{Family, Trial};
 use judge::cases::{B218, B7005C, rad_per_s};
 use spindle_bearing::{
-    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Growth, Motion, Mounted,
-    Preload, Quantity, RacewayControlFree, Settings, Solver, Speed, Spindle, SpindleSolver, Static,
-    Status,
+    Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Growth, Motion, Preload,
+    Quantity, RacewayControlFree, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
 };
 use spindle_file::dispatch::Precision;
-use spindle_file::plan::{Plan, Row};
+use spindle_file::mounting::{DynSolver, Parts};
+use spindle_file::plan::{MOST_BALLS, Plan, Row};
 use spindle_file::solvers::{Choices, with_solver};
 use std::f64::consts::PI;
 
@@ -145,7 +145,7 @@ fn the_advice_to_a_ring_that_is_free_to_move_helps() {
         free_contact: FreeContact::DiametralClearance(8e-6),
         ..Design::angular_contact(3.969e-3, 15e-3, 0.0)
     };
-    let bearing = Bearing::<f64, 7>::new(&design).unwrap();
+    let bearing = Bearing::<f64, 16>::with_balls(&design, 7).unwrap();
     let settings = Settings::default();
     for rpm in [0.0, 10_000.0] {
         let speed = Speed::rpm(rpm);
@@ -158,8 +158,8 @@ fn the_advice_to_a_ring_that_is_free_to_move_helps() {
             let advice = under([0.0, y, z, 0.0, 0.0]).unwrap_err().to_string();
             assert!(advice.contains("preload it by an axial load or by a row that faces it"));
             assert_eq!(advice.contains("hold the tilts"), helps_to_hold, "{advice}");
-            let mut held = Solver::<_, 7, RacewayControlFree, 3>::of();
-            let held = held.solve(&bearing, [0.0, y, z], speed, &settings);
+            let mut held = ring_solver(&design, 7, Precision::F64, Balls::Free, 3);
+            let held = held.load([0.0, y, z, 0.0, 0.0], rad_per_s(rpm));
             assert_eq!(held.is_ok(), helps_to_hold);
             assert_eq!(under([5.0, y, z, 0.0, 0.0]), Ok(()));
             let preload = Preload::Force(10.0);
@@ -191,14 +191,15 @@ fn a_speed_that_is_no_number_is_named_without_a_load_too() {
 
 #[test]
 fn balls_at_rest_refuse_a_speed() {
-    let bearing = Bearing::<f64, 16>::new(&B7005C).unwrap();
-    let axial = Mounted::<f64, 16>::new(&bearing, 0.0, Facing::PlusX);
-    let spindle = Spindle::new(Arrangement::ByRows, [axial]).unwrap();
+    let plan = Plan::alone(&B7005C, 16);
+    let parts = Parts::<f64>::of(&plan).unwrap();
+    let spindle = parts.spindle(&plan).unwrap();
+    let bearing = Bearing::<f64, MOST_BALLS>::with_balls(&B7005C, 16).unwrap();
     for omega in [1e-3, -4000.0] {
         let (speed, settings) = (Speed::rad_per_s(omega), Settings::default());
-        let mut one = Solver::<f64, 16, Static>::of();
+        let mut one = Solver::<f64, MOST_BALLS, Static>::of();
         let mut all = AxialSolver::<f64, Static>::of();
-        let mut shaft = SpindleSolver::<f64, 1, 16, Static>::of();
+        let mut shaft = DynSolver::<f64, Static>::of();
         for refused in [
             one.solve(&bearing, SKEW, speed, &settings).err(),
             all.solve(&bearing, SKEW[0], speed, &settings).err(),
@@ -235,8 +236,8 @@ fn a_ring_on_one_or_two_balls_is_indeterminate() {
             first_ball,
             ..B7005C
         };
-        let bearing = Bearing::<f64, 3>::new(&design).unwrap();
-        let mut solver = Solver::<f64, 3, M>::of();
+        let bearing = Bearing::<f64, MOST_BALLS>::with_balls(&design, 3).unwrap();
+        let mut solver = Solver::<f64, MOST_BALLS, M>::of();
         let load = [0.0, 50.0, 0.0, 0.0, 0.0];
         match solver.solve(&bearing, load, Speed::REST, &Settings::default()) {
             Err(Status::Indeterminate { loaded_balls, .. }) if loaded_balls == expected => {}

@@ -12,6 +12,7 @@ use spindle_bearing::{
     Support,
 };
 use spindle_file::dispatch::{Attitude, Precision};
+use spindle_file::plan::MOST_BALLS;
 use std::array::from_fn;
 use std::f64::consts::PI;
 use std::fmt::Debug;
@@ -327,12 +328,12 @@ fn results_are_read_as_they_were_written() {
         let bytes = postcard::to_slice(written, &mut bytes).unwrap();
         is_read(postcard::from_bytes(bytes).unwrap());
     }
-    let bearing = Bearing::<f64, 40>::new(&Design {
-        pitch_diameter: 90e-3,
+    let bearing = Bearing::<f64, MOST_BALLS>::new(&Design {
+        pitch_diameter: 144e-3,
         ..B7005C
     });
     let (bearing, mut solver) = (bearing.unwrap(), Solver::new());
-    let (load, speed) = ([30_000.0, 0.0, 0.0, 0.0, 0.0], Speed::rpm(10_000.0));
+    let (load, speed) = ([48_000.0, 0.0, 0.0, 0.0, 0.0], Speed::rpm(10_000.0));
     let settings = Settings::default();
     let solution = solver.solve(&bearing, load, speed, &settings).unwrap();
     again(&solution.snapshot());
@@ -385,10 +386,10 @@ fn results_are_read_as_they_were_written() {
     let life = at_rest.rating_life(&rating);
     assert!(life.hours.is_infinite());
     again(&life);
-    again(&Bearing::<f32, 40>::new(&B7005C).unwrap_err());
+    again(&Bearing::<f32, MOST_BALLS>::new(&B7005C).unwrap_err());
     let refused = solver.solve(&bearing, [f64::NAN; 5], Speed::REST, &settings);
     again(&refused.unwrap_err());
     // An array of another length is refused.
-    assert!(serde_json::from_str::<Snapshot<f64, 1, 39>>(&text).is_err());
-    assert!(serde_json::from_str::<Snapshot<f64, 1, 41>>(&text).is_err());
+    assert!(serde_json::from_str::<Snapshot<f64, 1, { MOST_BALLS - 1 }>>(&text).is_err());
+    assert!(serde_json::from_str::<Snapshot<f64, 1, { MOST_BALLS + 1 }>>(&text).is_err());
 }

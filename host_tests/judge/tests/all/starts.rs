@@ -129,7 +129,7 @@ fn a_load_that_the_start_misses_is_answered_from_its_neighbours() {
         outer_groove_factor: 0.52,
         ..Design::angular_contact(9.525e-3, 46e-3, 40_f64.to_radians())
     };
-    let bearing = Bearing::<f64, 12>::new(&design).unwrap();
+    let bearing = Bearing::<f64, 16>::with_balls(&design, 12).unwrap();
     let mut solver = Solver::new();
     let mut solve = |fx| {
         let load = [fx, 500.0, 0.0, 0.0, -1.0];

@@ -25,8 +25,8 @@ struct Tick {
 /// Two seconds of a cut, one solver, at most so many iterations a tick: S 6005 C at 20,000 rpm, teeth at 133 Hz.
 fn cut(max_iterations: u16) -> Vec<Tick> {
     let (single, double) = (
-        Bearing::<f32, 15>::new(&B7005C).unwrap(),
-        Bearing::<f64, 15>::new(&B7005C).unwrap(),
+        Bearing::<f32, 16>::with_balls(&B7005C, 15).unwrap(),
+        Bearing::<f64, 16>::with_balls(&B7005C, 15).unwrap(),
     );
     let (mut solver, mut judge) = (Solver::new(), Solver::new());
     let settings = Settings {
@@ -304,7 +304,7 @@ fn a_problem_without_an_equilibrium_is_called_one_after_any_number_of_calls() {
         inner_groove_factor: 0.53,
         ..Design::angular_contact(9.525e-3, 46e-3, 40_f64.to_radians())
     };
-    let bearing = Bearing::<f64, 12>::new(&design).unwrap();
+    let bearing = Bearing::<f64, 16>::with_balls(&design, 12).unwrap();
     let speed = Speed::rpm(10_000.0);
     let given = [50.0, 500.0, 0.0, 0.0, -1.0].map(Given::Load);
     let settings = Settings {
