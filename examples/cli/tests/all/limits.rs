@@ -2,19 +2,27 @@
 
 use crate::malformed::HEADER;
 use crate::replay::{replayed, scratch, table};
+use crate::response::{PROBES, recording};
 use cli::import::Wanted;
 use cli::milling_cycle::record_of;
 use cli::recordings;
 use cli::stream::per_tick::PerTick;
 use cli::stream::{ROOM, TEMPERATURES};
 use cli::telemetry::simulated::MONITOR;
+use spindle_file::monitors::level;
+use spindle_file::spindles::SpindleFile;
 use spindle_firmware::chain::{self, Chain};
-use spindle_firmware::spindle::ROWS;
-use spindle_monitor::command::{self, Command, Order, Request};
+use spindle_firmware::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE};
+use spindle_monitor::command::{self, Command, Order, PortReader, Received, Request};
 use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::loads::{FramedLoads, LoadSource};
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Past, record};
+use spindle_monitor::{Alarm, Monitor, Past, ProbeSettings, Readings, ResponseSettings, record};
+use std::array::from_fn;
 use std::fmt::Write;
+use std::path::Path;
 
 const EVENTS: &str = "time_s,alarm,event,value,limit,unit";
 const SPINDLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../spindle_file/spindles");
@@ -86,6 +94,201 @@ fn alarms_are_those_of_the_firmware() {
         page.contains(&out),
         "docs/firmware.md has other lines than\n{out}"
     );
+}
+
+/// The shipped spindle with two probes on a board: all comes over its port, and goes out in its frames.
+struct Board {
+    monitor: Box<Monitor<ROWS, BALLS, 12, FREEDOMS, JOINTS, 2>>,
+    port: PortReader,
+    loads: FramedLoads,
+    temperatures: Option<[f32; 2]>,
+    frames: FrameReader,
+    /// Bytes that come in before the next tick.
+    bytes: Vec<u8>,
+    /// Alarms that were raised or cleared: time in ms, name, whether it was raised, level.
+    alarms: Vec<(u64, String, bool, String)>,
+    /// Ratios, as `--limits` writes them, and the last one of each probe.
+    ratios: Vec<String>,
+    last: [String; 2],
+}
+
+impl Board {
+    fn new(file: &SpindleFile) -> Self {
+        static SETTINGS: MonitorSettings<ROWS> = {
+            let mut settings = MONITOR;
+            settings.tick.cost = settings.tick.cost.with_probes(2);
+            settings
+        };
+        let probes = Box::leak(Box::new(ResponseSettings {
+            probes: from_fn(|i| ProbeSettings {
+                position: file.probes[i].position as f32,
+                direction: file.probes[i].direction.map(|e| e as f32),
+                accuracy: file.probes[i].accuracy as f32,
+            }),
+            faults: &[],
+        }));
+        let mut monitor = Box::new(Monitor::with_probes(&SPINDLE, &SETTINGS, probes));
+        monitor.prepare(IDLE).unwrap();
+        Self {
+            monitor,
+            port: PortReader::new(),
+            loads: FramedLoads::new(),
+            temperatures: None,
+            frames: FrameReader::new(),
+            bytes: Vec::new(),
+            alarms: Vec::new(),
+            ratios: Vec::new(),
+            last: Default::default(),
+        }
+    }
+
+    fn tick(&mut self, time_us: u64) {
+        for byte in std::mem::take(&mut self.bytes) {
+            match self.port.push(byte) {
+                Some(Ok(Received::Record(record))) => self.loads.take(Ok(record)),
+                Some(Ok(Received::Command(Command::Temperatures(read)))) => {
+                    self.temperatures = Some(read);
+                }
+                Some(Ok(Received::Command(Command::Probes(read)))) => {
+                    let measured = from_fn(|i| read.get(i).copied());
+                    self.monitor.note_displacements(measured);
+                }
+                Some(Ok(Received::Command(Command::Ask(request)))) => {
+                    self.monitor.ask(&request, true);
+                }
+                Some(other) => panic!("{other:?}"),
+                None => {}
+            }
+        }
+        let readings = Readings {
+            loads: self.loads.sample(time_us),
+            speed: None,
+            temperatures: self.temperatures.take(),
+        };
+        self.monitor
+            .tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
+        for _ in 0..ROOM {
+            let byte = self.monitor.outbox().next_byte();
+            let Some(frame) = byte.and_then(|byte| self.frames.push(byte)) else {
+                continue;
+            };
+            let frame = frame.unwrap();
+            match frame.payload {
+                Payload::Alarm(report) => {
+                    let is_raised = match report.change {
+                        AlarmChange::Raised => true,
+                        AlarmChange::Cleared => false,
+                        _ => continue,
+                    };
+                    let alarm = report.alarm;
+                    let value = level(alarm, report.value.into()).to_string();
+                    let name = alarm.name().to_owned();
+                    let time = frame.time_us / 1000;
+                    self.alarms.push((time, name, is_raised, value));
+                    if is_raised {
+                        self.ask(Order::Acknowledge {
+                            alarm,
+                            start: 0,
+                            raised: report.raised,
+                        });
+                    }
+                }
+                Payload::Probes(report) => {
+                    let time = frame.time_us as f64 / 1e6;
+                    for ((name, probe), last) in ["axial", "nose"]
+                        .iter()
+                        .zip(&report.probes)
+                        .zip(&mut self.last)
+                    {
+                        let ratio = probe.ratio.map(|ratio| 100.0 * ratio.value);
+                        let ratio = ratio.map_or(String::new(), |ratio| format!("{ratio:.4}"));
+                        let line = format!("probe {name},{},{ratio},,%", probe.state.name());
+                        if *last != line {
+                            self.ratios.push(format!("{time},{line}"));
+                            *last = line;
+                        }
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn ask(&mut self, order: Order) {
+        let request = Request { number: 0, order };
+        self.bytes.extend(command::encode(Command::Ask(request)));
+    }
+}
+
+/// A loss of preload after the commissioning, then an axial probe whose readings do not change.
+#[test]
+fn alarms_and_ratios_of_probes_are_those_of_the_board() {
+    let path = scratch("probed.toml");
+    let text = std::fs::read_to_string(SHIPPED).unwrap();
+    let folder = Path::new(SHIPPED).parent().unwrap().to_str().unwrap();
+    let text = text.replace("\"../", &format!("\"{folder}/../")) + PROBES;
+    std::fs::write(&path, &text).unwrap();
+    let mut csv = recording(12_007.0, 24, (100.0, 10.0));
+    csv = csv
+        .lines()
+        .enumerate()
+        .map(|(i, line)| {
+            let mut fields: Vec<&str> = line.split(',').collect();
+            if i > 14_000 {
+                fields[7] = "40";
+            }
+            fields.join(",") + "\n"
+        })
+        .collect();
+    let path = path.to_str().unwrap();
+    let args = [path, "-", "--limits", "--commission", "0:8"];
+    let warm = ["--t_inner", "25", "--t_outer", "22"];
+    let (status, out, err) = replayed(&[&args[..], &warm].concat(), &csv);
+    assert_eq!(status, 0, "{err}");
+
+    let file = SpindleFile::parse(path, &text, Path::new(folder)).unwrap();
+    let mut board = Board::new(&file);
+    let wanted = Wanted {
+        probes: file.probes.iter().map(|probe| probe.name.clone()).collect(),
+        ..Wanted::default()
+    };
+    let csv = Box::new(std::io::Cursor::new(csv));
+    let rows = recordings::Loads::from_reader("", csv, None, &wanted).unwrap();
+    for (number, tick) in PerTick::new(rows, MONITOR.tick.period_us).enumerate() {
+        let tick = tick.unwrap();
+        if number == 8000 {
+            board.ask(Order::Commission);
+        }
+        let probes = tick.probes.map(|um| um.unwrap_or(f32::NAN));
+        board.bytes.extend(command::encode(Command::Probes(probes)));
+        board.bytes.extend(record::encode(&tick.record));
+        if number % TEMPERATURES == 0 {
+            let temperatures = Command::Temperatures([25.0, 22.0]);
+            board.bytes.extend(command::encode(temperatures));
+        }
+        board.tick(1000 * number as u64);
+    }
+    let lines = table(&out, EVENTS);
+    let (ratios, alarms): (Vec<_>, Vec<_>) =
+        lines.iter().partition(|line| line[1].starts_with("probe "));
+    let ratios: Vec<String> = ratios.iter().map(|line| line.join(",")).collect();
+    assert_eq!(ratios, board.ratios);
+    let alarms = alarms.iter().map(|line| {
+        let time: f64 = line[0].parse().unwrap();
+        let time = (time * 1e3).round() as u64;
+        let [name, value] = [line[1], line[3]].map(str::to_owned);
+        (time, name, line[2] != "cleared", value)
+    });
+    assert_eq!(alarms.collect::<Vec<_>>(), board.alarms);
+    for told in [
+        "stiffness-loss,raised",
+        ",probe,raised",
+        "probe nose,stiffness-loss,",
+        "probe axial,probe,",
+    ] {
+        assert!(out.contains(told), "{told}:\n{out}");
+    }
+    std::fs::remove_file(path).unwrap();
 }
 
 /// A recording every 10 ms, with 2000 N instead of 50 N from 1 s to 2 s, of a spindle that may carry 1000 N.

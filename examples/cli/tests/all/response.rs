@@ -9,7 +9,7 @@ use spindle_file::spindles::SpindleFile;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-const PROBES: &str = "
+pub const PROBES: &str = "
 [[probe]]
 name = \"axial\"
 position_mm = -10
@@ -53,8 +53,8 @@ fn seen(preload: f64, speed_rpm: f64) -> [[f64; 2]; 2] {
     solved.unwrap()
 }
 
-/// Half a second of cutting each second, of a spindle that has so much of its 250 N from a time on.
-fn recording(rpm: f64, seconds: u32, (preload, change): (f64, f64)) -> String {
+/// Half a second of cutting each second, of a spindle that has so much of its 250 N from a time on. No load is stuck.
+pub fn recording(rpm: f64, seconds: u32, (preload, change): (f64, f64)) -> String {
     let truth = [250.0, preload].map(|preload| seen(preload, rpm));
     let mut csv =
         "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,probe_axial_um,probe_nose_um\n".to_owned();
@@ -65,7 +65,8 @@ fn recording(rpm: f64, seconds: u32, (preload, change): (f64, f64)) -> String {
         let turn = TAU * time * rpm / 60.0;
         let runout = 3.0 * (turn.cos() + (2.0 * turn).sin());
         let load = CUT.map(|load| if cuts { load } else { 0.0 });
-        let load = load.map(|load| load.to_string()).join(",");
+        let noise = 1e-3 * f64::from(i % 7);
+        let load = load.map(|load| (load + noise).to_string()).join(",");
         csv += &format!(
             "{time},{load},{rpm},{:.4},{:.4}\n",
             1.02 * x + runout + 40.0,

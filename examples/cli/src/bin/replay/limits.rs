@@ -1,4 +1,4 @@
-//! `cargo replay --limits`: alarms that the board's monitor would raise over a recording, in its order.
+//! `cargo replay --limits`: alarms that the board's monitor would raise over a recording, in its order, and ratios at the probes.
 
 use crate::Args;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -9,11 +9,15 @@ use spindle_file::monitors::{self, AlarmLevels};
 use spindle_file::mounting::{MOST_JOINTS, Parts, board};
 use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS};
 use spindle_file::spindles::SpindleFile;
+use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
+use spindle_monitor::response::Fault;
+use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Marks, Monitor, Readings};
+use spindle_monitor::{Alarm, Marks, Monitor, Order, ProbeSettings, Readings, ResponseSettings};
+use std::array::from_fn;
 use std::io::{self, Write};
 
 /// Boards by name.
@@ -22,34 +26,75 @@ pub const BOARDS: [(&str, &str, Core); 2] = [
     ("h743", "STM32H743", Core::STM32H743),
 ];
 
-/// A monitor of any spindle.
-type DynMonitor = Monitor<MOST_ROWS, MOST_BALLS, 12, 6, MOST_JOINTS>;
+/// A monitor of any spindle with `P` probes.
+type DynMonitor<const P: usize> = Monitor<MOST_ROWS, MOST_BALLS, 12, 6, MOST_JOINTS, P>;
 
 /// Makes the monitor of a file on a board. It stays until the program ends, as the board's does.
-fn monitor_of(file: &SpindleFile, core: Core) -> Result<Box<DynMonitor>> {
+fn monitor_of<const P: usize>(file: &SpindleFile, core: Core) -> Result<Box<DynMonitor<P>>> {
     let plan = board::plan(file, Some(core))?;
     let explained = |error: BuildError| file.explain(&error);
     let parts: &'static Parts<f32> = Box::leak(Box::new(Parts::of(&plan).map_err(explained)?));
     let spindle = parts.spindle(&plan).map_err(explained)?;
     let settings = Box::leak(Box::new(board::settings(file, &core)));
-    Ok(Box::new(Monitor::new(
+    let probes = Box::leak(Box::new(probes_of(file)?));
+    Ok(Box::new(Monitor::with_probes(
         Box::leak(Box::new(spindle)),
         settings,
+        probes,
     )))
+}
+
+/// Settings of the probes of a file.
+fn probes_of<const P: usize>(file: &SpindleFile) -> Result<ResponseSettings<P>> {
+    let faults = spindle_file::mounting::faults::changes(file)?.into_iter();
+    let faults: Vec<(Fault, [f32; P])> = faults
+        .map(|(fault, changes)| (fault, from_fn(|i| changes[i] as f32)))
+        .collect();
+    Ok(ResponseSettings {
+        probes: from_fn(|i| ProbeSettings {
+            position: file.probes[i].position as f32,
+            direction: file.probes[i].direction.map(|e| e as f32),
+            accuracy: file.probes[i].accuracy as f32,
+        }),
+        faults: faults.leak(),
+    })
 }
 
 /// Runs the monitor over the recording, and writes the alarms to standard output.
 pub fn run(args: &Args) -> Result<Summary> {
     let file = args.file()?;
-    let mut monitor = monitor_of(&file, args.board)?;
+    match file.probes.len() {
+        0 => follow::<0>(args, &file),
+        1 => follow::<1>(args, &file),
+        2 => follow::<2>(args, &file),
+        3 => follow::<3>(args, &file),
+        _ => follow::<4>(args, &file),
+    }
+}
+
+/// State and ratio of each probe.
+fn ratios(file: &SpindleFile, report: &ProbesReport) -> Vec<String> {
+    let probes = file.probes.iter().zip(&report.probes);
+    let lines = probes.map(|(probe, report)| {
+        let ratio = report.ratio.map(|ratio| 100.0 * ratio.value);
+        let ratio = ratio.map_or(String::new(), |percent| format!("{percent:.4}"));
+        format!("probe {},{},{ratio},,%", probe.name, report.state.name())
+    });
+    lines.collect()
+}
+
+fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
+    let mut monitor = monitor_of::<P>(file, args.board)?;
     let of = &file.monitor;
     let prepared = monitor.prepare(of.idle.map(|x| x as f32));
     prepared.map_err(|status| anyhow!("the idling spindle has no equilibrium: {status}"))?;
-    let (rows, recording) = args.input(&file)?;
+    let (rows, recording) = args.input(file)?;
     let recording = recording.context("--limits needs a recording")?;
     let name = || recording.lock().expect("a reader").file().to_owned();
     let mut ticks = PerTick::new(rows, of.period_us);
-    let mut source = FramedLoads::new();
+    let (mut source, mut frames) = (FramedLoads::new(), FrameReader::new());
+    let (mut told, mut fault) = (Vec::<String>::new(), None);
+    let mut commission = args.response.commission.map(|[_, to]| to);
     let mut standing = EnumSet::<Alarm>::new();
     let mut doubts = [0_u64; Marks::variant_count() as usize];
     let output = |error| ReplayError::Output(Table::Results, error);
@@ -66,11 +111,36 @@ pub fn run(args: &Args) -> Result<Summary> {
             speed: None,
             temperatures: tick.temperatures.filter(|_| is_turn),
         };
+        monitor.note_displacements(from_fn(|i| tick.probes[i]));
+        let at = |us: u64| ((ticks.start() * 1e6).round() + us as f64) / 1e6;
+        if commission.is_some_and(|to| at(time_us) >= to) {
+            commission = None;
+            let order = Order::Commission;
+            monitor.ask(&Request { number: 0, order }, true);
+        }
         let outcome = monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
         // The link takes the telemetry that it has room for.
-        (0..ROOM)
-            .map_while(|_| monitor.outbox().next_byte())
-            .count();
+        for byte in (0..ROOM).map_while(|_| monitor.outbox().next_byte()) {
+            let Some(Ok(frame)) = frames.push(byte) else {
+                continue;
+            };
+            match &frame.payload {
+                Payload::Probes(report) => {
+                    let ratios = ratios(file, report);
+                    for line in ratios.iter().filter(|line| !told.contains(line)) {
+                        writeln!(out, "{},{line}", at(frame.time_us)).map_err(output)?;
+                    }
+                    told = ratios;
+                    fault = report.fault;
+                }
+                Payload::Answer(answer) if answer.outcome != AnswerCode::Done => eprintln!(
+                    "replay: at {} s, the probes have no reference: {}; widen --commission",
+                    at(frame.time_us),
+                    answer.outcome.name()
+                ),
+                _ => {}
+            }
+        }
         for mark in outcome.marks.iter() {
             doubts[mark as usize] += 1;
         }
@@ -89,11 +159,14 @@ pub fn run(args: &Args) -> Result<Summary> {
             };
             let [value, limit] = [f64::from(level), limit].map(|x| monitors::level(alarm, x));
             let (unit, _) = alarm.unit();
-            let time = ((ticks.start() * 1e6).round() + time_us as f64) / 1e6;
+            let time = at(time_us);
             writeln!(out, "{time},{alarm},{event},{value},{limit},{unit}").map_err(output)?;
         }
     }
     out.flush().map_err(output)?;
+    if let Some(fault) = fault {
+        eprintln!("replay: at the end, the ratios fit {fault}");
+    }
     let recording = recording.lock().expect("a reader");
     for line in recording.account().lines() {
         eprintln!("replay: {line}");

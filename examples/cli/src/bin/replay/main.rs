@@ -86,8 +86,8 @@ struct Args {
     /// In the place of the results: alarms that the monitor of the spindle's file would raise over the recording, and when
     ///
     /// The monitor is that of `--board`, with the monitor settings of the file. A recording of another rate is brought to its ticks:
-    /// held where it is slower, the newest record of each tick where it is faster.
-    #[arg(long, conflicts_with_all = LIMITS_ALONE)]
+    /// held where it is slower, the newest record of each tick where it is faster. Probes are read in the columns probe_NAME_um.
+    #[arg(long, group = "with_probes", conflicts_with_all = LIMITS_ALONE)]
     limits: bool,
 
     /// Board that the monitor runs on
@@ -451,6 +451,8 @@ NOSES.csv, one row for each nose, the plain one being called nose:
   time_s,alarm,event,value,limit,unit
   raised; worse, raised again since its level has grown; or cleared. Its level then, and the limit, or
   the level that ends it, in the unit of [monitor.alarm]. Each alarm is acknowledged at once
+and one for each change of a probe in the board's report of every second, `probe NAME` being the alarm:
+  its state is the event, measured over computed displacement, over that at --commission, the value
 
 Files are written beside their places, as X.*.part, and moved there when they are complete: not where
 the exit status is 1 or 2. A signal (Ctrl-C) removes them, and a later run what a killed one has left.
@@ -695,8 +697,17 @@ impl Args {
             let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
             return Ok((Box::new(rows.progress_with(bar).map(Ok)), None));
         };
-        let (import, wanted) = (self.recording.import()?, self.wanted(reference.is_some())?);
+        let (import, mut wanted) = (self.recording.import()?, self.wanted(reference.is_some())?);
+        if self.limits {
+            wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
+        }
         let loads = recordings::read(path, import.as_ref(), &wanted)?;
+        for (probe, has) in file.probes.iter().zip(loads.has_probes()) {
+            if !has {
+                let (file, name) = (loads.file(), &probe.name);
+                eprintln!("replay: {file}: there is no column probe_{name}_um");
+            }
+        }
         let file = loads.file();
         let ignored = loads.ignored_columns();
         if let Some(ignored) = ignored {

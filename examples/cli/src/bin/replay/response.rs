@@ -31,13 +31,15 @@ pub struct Options {
     /// The recording has a column probe_NAME_um for each probe of the spindle. A line for each probe and second:
     /// time_s,probe,ratio,ratio_error,steps,state. The ratio is that of the reference at commissioning divided out.
     /// States are learning, ok, stiffness-loss, stiffness-gain and probe: the probe does not follow the loads.
-    #[arg(long, value_name = "FILE.csv", conflicts_with_all = ["table", "summary", "balls", "rows", "nose", "frequencies",
+    #[arg(long, value_name = "FILE.csv", group = "with_probes", conflicts_with_all = ["table", "summary", "balls", "rows", "nose", "frequencies",
         "given", "select"])]
     pub response: Option<PathBuf>,
 
     /// Reference of --response, from and to this time, s; without it, the first 20 engagements are the reference
-    #[arg(long, value_name = "FROM:TO", requires = "response", value_parser = window, allow_hyphen_values = true)]
-    commission: Option<[f64; 2]>,
+    ///
+    /// With --limits, the board is given the order at the second time, and takes its ratios until then; without it, it has no reference.
+    #[arg(long, value_name = "FROM:TO", requires = "with_probes", value_parser = window, allow_hyphen_values = true)]
+    pub commission: Option<[f64; 2]>,
 }
 
 fn window(text: &str) -> Result<[f64; 2], String> {
