@@ -1,6 +1,6 @@
 //! `cargo replay --limits`: alarms that the board's monitor would raise over a recording, in its order, and ratios at the probes.
 
-use crate::Args;
+use crate::arguments::Args;
 use anyhow::{Context, Result, anyhow, ensure};
 use cli::replay::{ReplayError, Summary, Table};
 use cli::stream::per_tick::PerTick;

@@ -1,6 +1,8 @@
 //! `cargo replay --response`: measured over computed displacement at the probes, second by second.
 
-use crate::{Args, unwritable};
+use crate::arguments::Args;
+use crate::input::progress_bar;
+use crate::output::unwritable;
 use anyhow::{Result, bail, ensure};
 use cli::fault::LoadsError;
 use cli::output::{NewFile, place};
@@ -112,7 +114,7 @@ pub fn replay(
         ..Choices::default()
     });
     let mut summary = Summary::default();
-    let bar = crate::progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
+    let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
     let mut text = "time_s,probe,ratio,ratio_error,steps,state\n".to_owned();
     loop {
         let mut records = read(&mut loads, &mut summary)?;

@@ -1,0 +1,419 @@
+//! Arguments of `cargo replay`.
+
+use crate::{formats::FORMATS, limits, response};
+use anyhow::{Context, Result, bail, ensure};
+use clap::{ArgMatches, Parser};
+use cli::arguments::by_name;
+use cli::import::Import;
+use cli::lifetime::Lifetime;
+use cli::quantities::{OWN, Quantity};
+use cli::replay::Job;
+use cli::units::Unit;
+use spindle_bearing::Limits;
+use spindle_file::dispatch::{Attitude, Precision};
+use spindle_file::solvers::{Balls, Choices};
+use spindle_file::spindles::SpindleFile;
+use spindle_monitor::tick::Core;
+use std::path::{Path, PathBuf};
+
+/// Replays recorded bearing loads through the solver
+///
+/// Takes the design of an angular contact ball bearing, or of a spindle with several of them, and a
+/// recording of loads and shaft speed. For every row of the recording it computes where the shaft
+/// goes and how stiff it is held there. The results go to standard output as CSV.
+#[derive(Debug, Parser)]
+#[command(name = "replay", bin_name = "cargo replay", max_term_width = 100, after_long_help = FORMATS)]
+pub struct Args {
+    /// Design of the bearing: ball count, diameters, grooves, contact angle, materials; or of a spindle: its rows
+    ///
+    /// Examples are in examples/spindle_file/bearings/ and examples/spindle_file/spindles/. A bearing of the catalogue is named in the place of
+    /// a file, such as gmn:S6014C.
+    #[arg(value_name = "DESIGN.toml", required_unless_present_any = ["list", "propose"])]
+    pub design: Option<PathBuf>,
+
+    /// Recorded loads and speed; `-` reads standard input
+    ///
+    /// An example, a synthetic milling cycle, is examples/cli/records/milling_cycle.csv.
+    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list", "propose"])]
+    pub loads: Option<PathBuf>,
+
+    /// Print the catalogue: bearings that can be named in the place of DESIGN.toml
+    #[arg(long)]
+    pub list: bool,
+
+    /// Look at a recording of another program, and write a description of its columns
+    ///
+    /// The description goes to standard output; standard error has the first and the last rows as they would be read, and
+    /// all that is open. `-` reads standard input.
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["design", "list", "table", "import"])]
+    pub propose: Option<PathBuf>,
+
+    /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
+    ///
+    /// Axes are speed in rpm, fx, fy, fz in N, and my, mz in N m. A spindle with `[heat]` has t_inner and
+    /// t_outer, too, in deg C. Each is NAME=FIRST:LAST:STEP or NAME=VALUE, such as speed=0:20000:500 fx=500;
+    /// one that is left out is 0, or `[heat]`'s reference. Speed changes from row to row. `time_s` counts
+    /// the rows.
+    #[arg(long, value_name = "AXIS=RANGE", num_args = 1.., conflicts_with = "loads")]
+    pub table: Vec<String>,
+
+    /// Columns of the results, in this order, such as time_s,kxx,kyy,dx
+    #[arg(long, value_name = "COLUMN,..", value_delimiter = ',')]
+    pub select: Vec<String>,
+
+    /// In the place of the results: rating life of the whole recording, worst pressure, least preload, time beyond limits
+    ///
+    /// A record lasts until the next one; records of one time share the time to the next one. Without times, all records last equally
+    /// long.
+    #[arg(long, value_parser = by_name(FORMS), value_name = "FORM", num_args = 0..=1, require_equals = true, default_missing_value = "text")]
+    pub summary: Option<Form>,
+
+    /// In the place of the results: alarms that the monitor of the spindle's file would raise over the recording, and when
+    ///
+    /// The monitor is that of `--board`, with the monitor settings of the file. A recording of another rate is brought to its ticks:
+    /// held where it is slower, the newest record of each tick where it is faster. Probes are read in the columns probe_NAME_um.
+    #[arg(long, group = "with_probes", conflicts_with_all = LIMITS_ALONE)]
+    pub limits: bool,
+
+    /// Board that the monitor runs on
+    #[arg(long, value_parser = by_name(limits::BOARDS), default_value = "f405", requires = "limits")]
+    pub board: Core,
+
+    /// Records before a pause of the logger, a step of time ten times as long as the usual one, in the summary
+    #[arg(long, value_parser = by_name(PAUSES), default_value = "end", requires = "summary")]
+    pub pauses: Pauses,
+
+    /// Precision to compute in
+    ///
+    /// Loads and speed are rounded to it first. Results have as many digits as it takes to read
+    /// back the same number of this precision.
+    #[arg(long, value_parser = by_name(PRECISIONS), default_value = "f64")]
+    pub precision: Precision,
+
+    /// Rule for the axis about which a ball turns, and with it the gyroscopic moment
+    #[arg(long, value_parser = by_name(ATTITUDES), default_value = "raceless")]
+    pub attitude: Attitude,
+
+    /// How the balls move
+    #[arg(long, value_parser = by_name(MOTIONS), default_value = "full")]
+    pub motion: Motion,
+
+    /// Freedoms of the shaft: 5, or 3 with the tilts locked
+    #[arg(long, value_name = "COUNT", default_value_t = 5, value_parser = clap::value_parser!(u8).range(3..=5))]
+    pub freedoms: u8,
+
+    /// Displacements of the shaft at x = 0 in the place of loads, such as tz=0,dx=10e-6; the reactions are more columns
+    ///
+    /// They are dx, dy, dz in m and ty, tz in rad.
+    #[arg(long, value_name = "FREEDOM=VALUE,..", value_delimiter = ',')]
+    pub given: Vec<String>,
+
+    /// Largest change of the stiffness along the last step, relative to its diagonal: 1e-3 is that of a tick of firmware
+    ///
+    /// The default is 2e-5 in single and 3e-13 in double precision.
+    #[arg(long, value_name = "PART")]
+    pub tolerance: Option<f64>,
+
+    /// Solve every row from scratch, as after a reset
+    ///
+    /// Without this, each row starts from the result of the row before, as the firmware does, and
+    /// takes fewer iterations. Blocks of 500 rows begin from scratch: they are solved side by side,
+    /// by a thread for every core, or RAYON_NUM_THREADS of them.
+    #[arg(long)]
+    pub cold: bool,
+
+    /// Peak contact pressure, MPa, above which a row is marked in the column `limits`
+    ///
+    /// The default is from ISO 76's static load rating. A spindle in continuous service is better
+    /// held to some 2000 MPa.
+    #[arg(long, value_name = "MPA", default_value_t = 4200.0)]
+    pub peak_pressure: f64,
+
+    /// Friction force over contact force above which a row is marked in the column `limits`
+    #[arg(long, value_name = "T/Q", default_value_t = Limits::<f64>::LUBRICATED_FRICTION)]
+    pub friction: f64,
+
+    /// Write the contact angles, forces, pressures, inertia loads and speeds of every ball to this CSV file
+    #[arg(long, value_name = "BALLS.csv")]
+    pub balls: Option<PathBuf>,
+
+    /// Write the load, preload, least contact force, stiffness, motion and closure of every row of a spindle to this CSV file
+    #[arg(long, value_name = "ROWS.csv")]
+    pub rows: Option<PathBuf>,
+
+    /// Write the displacement and flexibility of every nose of a spindle to this CSV file
+    #[arg(long, value_name = "NOSES.csv")]
+    pub nose: Option<PathBuf>,
+
+    /// Write the frequencies at which damaged parts of every row of balls are heard to this CSV file
+    #[arg(long, value_name = "FREQUENCIES.csv")]
+    pub frequencies: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub response: response::Options,
+
+    #[command(flatten)]
+    pub recording: Recording,
+}
+
+/// Options without a meaning beside `--limits`, which is as the board solves.
+const LIMITS_ALONE: [&str; 17] = [
+    "table",
+    "select",
+    "summary",
+    "precision",
+    "attitude",
+    "motion",
+    "freedoms",
+    "given",
+    "tolerance",
+    "cold",
+    "peak_pressure",
+    "friction",
+    "pauses",
+    "balls",
+    "rows",
+    "nose",
+    "frequencies",
+];
+
+/// How the recording is read
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Recording")]
+pub struct Recording {
+    /// Description of the recording's columns, as `--propose` writes it
+    #[arg(long, value_name = "IMPORT.toml", conflicts_with = "table")]
+    pub import: Option<PathBuf>,
+
+    /// Solve one record of so many
+    #[arg(long, value_name = "COUNT", default_value_t = 1, conflicts_with = "table", value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+
+    #[command(flatten)]
+    pub given: Given,
+}
+
+/// Quantities that are constant, in the bearing's frame: an option for each.
+#[derive(Debug)]
+pub struct Given(pub [Option<f64>; OWN.len()]);
+
+impl Given {
+    /// The quantities that have an option of their name.
+    fn all() -> impl Iterator<Item = (usize, Quantity)> {
+        OWN.into_iter().enumerate().skip(1)
+    }
+}
+
+impl clap::FromArgMatches for Given {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut given = [None; OWN.len()];
+        for (i, quantity) in Self::all() {
+            given[i] = matches.get_one(quantity.name()).copied();
+        }
+        Ok(Self(given))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl clap::Args for Given {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        command.args(Self::all().map(|(_, quantity)| {
+            let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
+            let arg = clap::Arg::new(name)
+                .long(name)
+                .value_name(unit)
+                .conflicts_with("table");
+            let arg = arg
+                .value_parser(clap::value_parser!(f64))
+                .allow_negative_numbers(true);
+            arg.help(format!("{name} in {unit}, where it is constant"))
+        }))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+const PRECISIONS: [(&str, &str, Precision); 2] = [
+    (
+        "f32",
+        "Single precision, as the firmware computes",
+        Precision::F32,
+    ),
+    ("f64", "Double precision", Precision::F64),
+];
+
+const ATTITUDES: [(&str, &str, Attitude); 3] = [
+    (
+        "raceless",
+        "Raceway-control-free: from d'Alembert's principle, which does not assume race control",
+        Attitude::Raceless,
+    ),
+    (
+        "outer",
+        "Outer race control: no spin at the outer race",
+        Attitude::Outer,
+    ),
+    (
+        "inner",
+        "Inner race control: no spin at the inner race; not for loads that lift balls off it",
+        Attitude::Inner,
+    ),
+];
+
+/// How the balls move, but for the rule of their attitude.
+const MOTIONS: [(&str, &str, Motion); 3] = [
+    (
+        "static",
+        "At rest: the speed counts for life and frequencies alone",
+        Motion::Static,
+    ),
+    (
+        "centrifugal",
+        "Under centrifugal force alone",
+        Motion::Centrifugal,
+    ),
+    ("full", "With all inertia loads", Motion::Full),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Motion {
+    Static,
+    Centrifugal,
+    Full,
+}
+
+/// How long a record counts before a pause.
+const PAUSES: [(&str, &str, Pauses); 2] = [
+    ("end", "Count for one usual step", Pauses::End),
+    (
+        "hold",
+        "Count until the next record: a list of held states",
+        Pauses::Hold,
+    ),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Pauses {
+    End,
+    Hold,
+}
+
+/// How the summary is written.
+const FORMS: [(&str, &str, Form); 2] = [
+    ("text", "To read", Form::Text),
+    ("json", "As JSON, SI units", Form::Json),
+];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    Text,
+    Json,
+}
+
+impl Args {
+    /// clap demands one, except with `--list`.
+    pub fn design(&self) -> &Path {
+        self.design.as_deref().unwrap_or(Path::new(""))
+    }
+
+    /// How the balls move, and displacements that are given: of options that fit each other and the file.
+    pub fn checked(&self, file: &SpindleFile) -> Result<(Balls, [Option<f64>; 5])> {
+        ensure!(
+            self.rows.is_none() || !file.is_bearing,
+            "--rows is for spindles, and {} is one bearing: it has no [[row]]",
+            self.design().display()
+        );
+        ensure!(
+            self.nose.is_none() || !file.noses.is_empty(),
+            "--nose: {} has no [nose]; add one with position_mm",
+            self.design().display()
+        );
+        let balls = match self.motion {
+            Motion::Full => self.attitude.into(),
+            _ if self.attitude != Attitude::Raceless => bail!(
+                "--attitude makes no difference without gyroscopic moments; leave out it or --motion"
+            ),
+            Motion::Static => Balls::Static,
+            Motion::Centrifugal => Balls::Centrifugal,
+        };
+        if let Some(tolerance) = self.tolerance {
+            ensure!(
+                tolerance > 0.0 && tolerance < 1.0,
+                "--tolerance {tolerance}: it is 0 to 1"
+            );
+        }
+        let held = self.held()?;
+        ensure!(
+            held == [None; 5] || file.plan.loaded_at() == 0.0,
+            "--given and --freedoms 3 hold an elastic shaft at x = 0 where its loads act there; set [load] position_mm = 0, or \
+             leave the option out"
+        );
+        Ok((balls, held))
+    }
+
+    /// The job that the options describe.
+    pub fn job<'j>(
+        &self,
+        file: &'j SpindleFile,
+        held: [Option<f64>; 5],
+        lifetime: Option<&'j mut Lifetime>,
+    ) -> Job<'j> {
+        Job {
+            file,
+            precision: self.precision,
+            cold: self.cold,
+            at_rest: self.motion == Motion::Static,
+            select: self.select.clone(),
+            choices: Choices {
+                limits: Limits {
+                    peak_pressure: self.peak_pressure * 1e6,
+                    friction: self.friction,
+                },
+                tolerance: self.tolerance,
+                ..Choices::default()
+            },
+            held,
+            holds_pauses: self.pauses == Pauses::Hold,
+            lifetime,
+        }
+    }
+
+    /// Displacements that are given.
+    pub fn held(&self) -> Result<[Option<f64>; 5]> {
+        ensure!(self.freedoms != 4, "--freedoms 4: they are 3 or 5");
+        let mut held = [None; 5];
+        if self.freedoms == 3 {
+            (held[3], held[4]) = (Some(0.0), Some(0.0));
+        }
+        for text in &self.given {
+            let pair = text.split_once('=').and_then(|(name, value)| {
+                let names = ["dx", "dy", "dz", "ty", "tz"];
+                let freedom = names.iter().position(|one| *one == name.trim())?;
+                Some((freedom, value.trim().parse().ok()?))
+            });
+            let (freedom, value) = pair.with_context(|| {
+                format!(
+                    "--given {text}: give dx, dy, dz (m), ty or tz (rad) a number, such as tz=0"
+                )
+            })?;
+            ensure!(
+                held[freedom].replace(value).is_none(),
+                "--given {text}: it is held already, by --given or --freedoms 3"
+            );
+        }
+        Ok(held)
+    }
+}
+
+impl Recording {
+    pub fn import(&self) -> Result<Option<Import>> {
+        let read = self.import.as_deref().map(Import::read);
+        Ok(read.transpose()?)
+    }
+}

@@ -1,0 +1,134 @@
+//! Input of a replay: the spindle, and its recording or table.
+
+use crate::arguments::Args;
+use crate::table::Axes;
+use anyhow::{Result, anyhow, bail, ensure};
+use cli::fault::LoadsError;
+use cli::import::Wanted;
+use cli::quantities::{LOADS, OWN};
+use cli::recordings;
+use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
+use spindle_file::loads::{LoadRow, celsius};
+use spindle_file::spindles::SpindleFile;
+use std::sync::{Arc, Mutex};
+
+/// Rows to solve, and the recording that they come from.
+pub type Input = (
+    Box<dyn Iterator<Item = Result<LoadRow, LoadsError>> + Send>,
+    Option<Arc<Mutex<recordings::Loads>>>,
+);
+
+impl Args {
+    /// The spindle.
+    pub fn file(&self) -> Result<SpindleFile> {
+        let file = SpindleFile::read(self.design())?;
+        for doubt in &file.doubts {
+            eprintln!("replay: {doubt}");
+        }
+        Ok(file)
+    }
+
+    /// Quantities that the options leave to the recording, with temperatures if the spindle has `heat`.
+    pub fn wanted(&self, heat: bool) -> Result<Wanted> {
+        let mut wanted = Wanted {
+            given: self.recording.given.0,
+            every: self.recording.every as usize,
+            shares_times: self.summary.is_some() || self.limits || self.response.response.is_some(),
+            ..Wanted::default()
+        };
+        for (i, quantity) in OWN.into_iter().enumerate().skip(LOADS) {
+            wanted.needed[i] = heat;
+            if let Some(value) = wanted.given[i] {
+                ensure!(heat, "--{} is for spindles with [heat]", quantity.name());
+                celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
+            }
+        }
+        // A displacement that is given takes the place of the load of its freedom.
+        for (needed, held) in wanted.needed[1..].iter_mut().zip(self.held()?) {
+            *needed &= held.is_none();
+        }
+        Ok(wanted)
+    }
+
+    /// Rows of the recording or of the table.
+    pub fn input(&self, file: &SpindleFile) -> Result<Input> {
+        let reference = file.heat.map(|heat| heat.reference);
+        let Some(path) = &self.loads else {
+            let axes = Axes::parse(&self.table)?;
+            if axes.has_temperatures() && reference.is_none() {
+                bail!("--table: t_inner and t_outer are for spindles with [heat]; leave them out");
+            }
+            let rows = axes.rows(reference);
+            let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
+            return Ok((Box::new(rows.progress_with(bar).map(Ok)), None));
+        };
+        let (import, mut wanted) = (self.recording.import()?, self.wanted(reference.is_some())?);
+        if self.limits {
+            wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
+        }
+        let loads = recordings::read(path, import.as_ref(), &wanted)?;
+        for (probe, has) in file.probes.iter().zip(loads.has_probes()) {
+            if !has {
+                let (file, name) = (loads.file(), &probe.name);
+                eprintln!("replay: {file}: there is no column probe_{name}_um");
+            }
+        }
+        let file = loads.file();
+        let ignored = loads.ignored_columns();
+        if let Some(ignored) = ignored {
+            eprintln!("replay: {file}: columns ignored: {ignored}");
+        }
+        if reference.is_none() && import.is_none() && loads.has_temperatures() {
+            bail!(
+                "{file}: t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
+                 reference_c, or remove these columns"
+            );
+        }
+        let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
+        let loads = Arc::new(Mutex::new(loads));
+        let read = Arc::clone(&loads);
+        let rows = std::iter::from_fn(move || {
+            let mut loads = read.lock().expect("a reader");
+            let row = loads.next();
+            bar.set_position(loads.bytes_read());
+            row
+        });
+        Ok((Box::new(rows), Some(loads)))
+    }
+}
+
+/// Says how the recording was read.
+///
+/// # Errors
+///
+/// It has no row, though the rows that it has `were_solved`.
+pub fn account(recording: &Mutex<recordings::Loads>, were_solved: bool) -> Result<()> {
+    let recording = recording.lock().expect("a reader");
+    for line in recording.account().lines() {
+        eprintln!("replay: {line}");
+    }
+    let counts = recording.counts();
+    ensure!(
+        !were_solved || counts.read + counts.refused > 0,
+        "{}: there is no row below the header",
+        recording.file()
+    );
+    Ok(())
+}
+
+/// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside
+/// it. A count if their number is unknown.
+pub fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
+    let (bar, template) = match total {
+        Some(total) => (
+            ProgressBar::new(total),
+            format!("replaying {{bar:40}} {position}, {{eta}} left"),
+        ),
+        None => (
+            ProgressBar::new_spinner(),
+            "replaying {spinner} {bytes}, {elapsed}".to_owned(),
+        ),
+    };
+    bar.with_style(ProgressStyle::with_template(&template).expect("a template"))
+        .with_finish(ProgressFinish::AndClear)
+}
