@@ -4,7 +4,7 @@
 //! script counts. Errors are those of `cargo replay`, with line and column.
 
 use spindle_bearing::{Design, Preload, Support};
-use spindle_file::monitors::MonitorFile;
+use spindle_file::monitors::Sensors;
 use spindle_file::mounting::board;
 use spindle_file::plan::{Plan, Row};
 use spindle_file::spindles::SpindleFile;
@@ -60,7 +60,7 @@ fn chosen_board() -> Option<(&'static str, Core)> {
 fn constants(file: &SpindleFile, plan: &Plan) -> Result<String> {
     let mut text = String::new();
     spindle(&mut text, plan)?;
-    sensors(&mut text, &file.monitor)?;
+    sensors(&mut text, file)?;
     probes(&mut text, file)?;
     settings(&mut text, file)?;
     Ok(text)
@@ -204,10 +204,16 @@ fn known_load(plan: &Plan) -> f32 {
 }
 
 /// Where loads and speed come from.
-fn sensors(text: &mut String, monitor: &MonitorFile) -> Result<()> {
-    let bridges = monitor.bridges.as_ref();
+fn sensors(text: &mut String, file: &SpindleFile) -> Result<()> {
+    let Sensors {
+        idle,
+        tachometer,
+        bridges,
+        tare_samples,
+        ..
+    } = &file.sensors;
     // Without bridges, nobody reads their calibration.
-    let count = bridges.map_or(5, |bridges| bridges.counts.len());
+    let count = bridges.as_ref().map_or(5, |bridges| bridges.counts.len());
     let (mut loads, mut counts) = (String::new(), String::new());
     if let Some(bridges) = bridges {
         for load in 0..5 {
@@ -223,12 +229,10 @@ fn sensors(text: &mut String, monitor: &MonitorFile) -> Result<()> {
     } else {
         (loads, counts) = ("[0.0; 5]; 5".into(), "[0.0; 5]; 5".into());
     }
-    let idle = numbers(monitor.idle);
-    let tachometer = &monitor.tachometer;
     Ok(writeln!(
         text,
         "/// Loads of the idling spindle (N, N m), to start from.\n\
-         pub const IDLE: [f32; 5] = {idle};\n\
+         pub const IDLE: [f32; 5] = {idle:?};\n\
          /// Whether loads and speed come from strain bridges and a tachometer at the board, not as records over the port.\n\
          pub const BRIDGES: bool = {};\n\
          /// Bridges.\n\
@@ -244,15 +248,15 @@ fn sensors(text: &mut String, monitor: &MonitorFile) -> Result<()> {
          /// The tachometer's pulses, at a timer of 1 MHz.\n\
          pub const TACHOMETER: SpeedSettings = SpeedSettings {{\n\
          pulses_per_revolution: {},\ntimer_hz: 1_000_000,\ntimer_bits: 32,\ncounter_bits: 32,\n\
-         count_above: {},\nperiod_below: {},\ngate_us: {},\nstandstill_us: {},\ndeceleration: {},\n}};",
+         count_above: {:?},\nperiod_below: {:?},\ngate_us: {},\nstandstill_us: {},\ndeceleration: {:?},\n}};",
         bridges.is_some(),
-        monitor.tare_samples,
+        tare_samples,
         tachometer.pulses_per_revolution,
-        number(tachometer.count_above),
-        number(tachometer.period_below),
+        tachometer.count_above,
+        tachometer.period_below,
         tachometer.gate_us,
         tachometer.standstill_us,
-        number(monitor.plausible.deceleration),
+        file.settings(&Core::STM32F405).plausibility.deceleration,
     )?)
 }
 
@@ -304,10 +308,10 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
         tolerance,
         accuracy,
         plausibility,
-        watch,
+        overload,
         alarms,
         telemetry,
-    } = board::settings(file, &Core::STM32F405);
+    } = file.settings(&Core::STM32F405);
     let rows = &rows[..file.plan.rows.len()];
     Ok(writeln!(
         text,
@@ -316,12 +320,11 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
          /// Settings of the monitor on this core.\n\
          pub const fn monitor_settings(core: &Core) -> MonitorSettings<ROWS> {{\n\
          #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
-         #[allow(non_upper_case_globals)]\nconst inf: f32 = f32::INFINITY;\n\
          let settings = MonitorSettings {{\n\
          rows: {rows:?}, shaft: {shaft:?}, temperatures: {temperatures:?},\n\
          tick: TickSettings::new(PERIOD_US, core.hz, core.cost.with_probes(PROBES)),\n\
          tolerance: {tolerance:?}, accuracy: {accuracy:?}, plausibility: {plausibility:?},\n\
-         watch: {watch:?}, alarms: {alarms:?}, telemetry: {telemetry:?}\n\
+         overload: {overload:?}, alarms: {alarms:?}, telemetry: {telemetry:?}\n\
          }};\n\
          match settings.check() {{\n\
          Ok(()) => settings,\n\

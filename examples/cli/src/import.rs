@@ -295,7 +295,7 @@ impl Import {
     /// A text that is no description; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
         let r = Reading { file, text };
-        let keys: ImportKeys = r.keys()?;
+        let keys: ImportKeys = r.keys(r.table()?)?;
         let fault = |span, message: String| Err(r.error(r.place(span), message));
         let mut open = Vec::new();
         let Some(first_row) = keys.first_row else {

@@ -5,13 +5,13 @@
 use crate::bridges::Calibration;
 use crate::tachometer::SpeedSettings;
 use spindle_bearing::{
-    Arrangement, Bearing, Design, Facing, FreeContact, Growth, LifeRating, Limits, Material,
-    Mounted, Preload, Spindle,
+    Arrangement, Bearing, Design, Facing, FreeContact, Growth, LifeRating, Material, Mounted,
+    Preload, Spindle,
 };
-use spindle_monitor::judgement::{Threshold, Thresholds};
+use spindle_monitor::alarms::Threshold;
 use spindle_monitor::plausibility::PlausibilitySettings;
 use spindle_monitor::settings::{MonitorSettings, ResponseSettings, TelemetrySettings};
 use spindle_monitor::tick::{Core, TickSettings};
-use spindle_monitor::{Identity, RowSettings, ShaftSettings, WatchSettings};
+use spindle_monitor::{Identity, RowSettings, ShaftSettings};
 
 include!(concat!(env!("OUT_DIR"), "/spindle.rs"));

@@ -25,8 +25,8 @@
 //! machine. So orders are not authenticated either. An acknowledgement ends no condition, and a life is not forgotten from
 //! afar.
 
+use crate::alarms::Alarm;
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError, FrameReader};
-use crate::judgement::Alarm;
 use crate::record::{self, LoadRecord};
 use heapless::Vec;
 use serde::{Deserialize, Serialize};

@@ -10,121 +10,9 @@
 //!   level grows further by `worse` is raised again. A level that is not known changes nothing. A level stands until the next one,
 //!   for as long as that is due at most: the time after that counts for neither.
 
-use core::f64::consts::PI;
-use core::fmt;
-use enumset::{EnumSet, EnumSetType};
+use crate::alarms::{Alarm, Threshold};
+use enumset::EnumSet;
 use serde::{Deserialize, Serialize};
-
-/// Alarms, with their numbers on the wire, from the most serious one to those of the monitor itself; then those of the probes. A new one
-/// takes the next number.
-#[derive(Debug, EnumSetType, Serialize, Deserialize)]
-#[enumset(repr = "u16")]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Alarm {
-    /// Peak contact pressure, Pa.
-    PeakPressure = 0,
-    /// A contact near or past the edge of its shoulder: contact angle less the shoulder's, rad.
-    ContactAngle = 1,
-    /// Gross slip is to be suspected: friction force that the gyroscopic moment calls for over contact
-    /// force.
-    Slip = 2,
-    /// Balls off the inner race: their number.
-    UnloadedBalls = 3,
-    /// Preload that has grown: in the row with the most, over the mounted preload.
-    PreloadGrowth = 4,
-    /// Preload that is lost: in the row with the least, as a part of 1 of the mounted preload.
-    PreloadLoss = 5,
-    /// Measured loads, doubted or not, over the loads allowed: the largest of five parts of 1.
-    Overload = 6,
-    /// Rating life used up, part of 1.
-    LifeUsed = 7,
-    /// Samples have been doubted for a time: seconds since the last good one.
-    Sensor = 8,
-    /// A temperature has not been measured for a time: seconds since the last good one.
-    Temperature = 9,
-    /// The monitor is blind: ticks of a second without a fresh estimate, part of 1.
-    Availability = 10,
-    /// Ticks miss their deadline: how many within the last second or two.
-    Deadline = 11,
-    /// The spindle is more compliant than at commissioning: measured over computed displacement at a probe, less 1.
-    StiffnessLoss = 12,
-    /// The spindle is stiffer than at commissioning: 1 less that ratio.
-    StiffnessGain = 13,
-    /// A probe does not follow the loads: 1, else 0.
-    Probe = 14,
-}
-
-impl Alarm {
-    /// How many there are.
-    pub const COUNT: usize = 15;
-
-    /// All alarms, in the order of their numbers.
-    pub const ALL: [Self; Self::COUNT] = [
-        Self::PeakPressure,
-        Self::ContactAngle,
-        Self::Slip,
-        Self::UnloadedBalls,
-        Self::PreloadGrowth,
-        Self::PreloadLoss,
-        Self::Overload,
-        Self::LifeUsed,
-        Self::Sensor,
-        Self::Temperature,
-        Self::Availability,
-        Self::Deadline,
-        Self::StiffnessLoss,
-        Self::StiffnessGain,
-        Self::Probe,
-    ];
-
-    /// Short name in lower case, as tables print it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::PeakPressure => "peak-pressure",
-            Self::ContactAngle => "contact-angle",
-            Self::Slip => "slip",
-            Self::UnloadedBalls => "unloaded-balls",
-            Self::Overload => "overload",
-            Self::PreloadGrowth => "preload-growth",
-            Self::PreloadLoss => "preload-loss",
-            Self::Temperature => "temperature",
-            Self::LifeUsed => "life-used",
-            Self::Sensor => "sensor",
-            Self::Availability => "availability",
-            Self::Deadline => "deadline",
-            Self::StiffnessLoss => "stiffness-loss",
-            Self::StiffnessGain => "stiffness-gain",
-            Self::Probe => "probe",
-        }
-    }
-
-    /// Unit of its levels in files and tables, empty for a ratio or a number; and that unit in the one of the wire.
-    pub const fn unit(self) -> (&'static str, f64) {
-        match self {
-            Self::PeakPressure => ("GPa", 1e9),
-            Self::ContactAngle => ("deg", PI / 180.0),
-            Self::Sensor | Self::Temperature => ("s", 1.0),
-            Self::PreloadLoss
-            | Self::Overload
-            | Self::LifeUsed
-            | Self::Availability
-            | Self::StiffnessLoss
-            | Self::StiffnessGain => ("%", 1e-2),
-            Self::Slip
-            | Self::UnloadedBalls
-            | Self::PreloadGrowth
-            | Self::Deadline
-            | Self::Probe => ("", 1.0),
-        }
-    }
-}
-
-impl fmt::Display for Alarm {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
 
 /// Where an alarm stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -154,33 +42,6 @@ impl AlarmState {
             Self::Acknowledged => "acknowledged",
             Self::Latched => "latched",
         }
-    }
-}
-
-/// When an alarm is raised, and when its condition is gone.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Threshold {
-    /// The condition begins at this level.
-    pub raise: f32,
-    /// The condition ends at this level, below `raise`.
-    pub clear: f32,
-    /// So much of its time must add up, us.
-    pub hold_us: u32,
-    /// This level raises the alarm at once; infinite for none.
-    pub at_once: f32,
-    /// An acknowledged alarm is raised again where its level has grown by this since; infinite for never.
-    pub worse: f32,
-}
-
-impl Threshold {
-    /// `clear` below `raise`, both numbers, `at_once` not below, and `worse` positive.
-    pub(crate) const fn is_sound(&self) -> bool {
-        self.raise.is_finite()
-            && self.clear.is_finite()
-            && self.clear < self.raise
-            && self.at_once >= self.raise
-            && self.worse > 0.0
     }
 }
 
@@ -266,7 +127,7 @@ impl AlarmMachine {
         use AlarmState as S;
         // Most levels are far off: a third of the cost.
         let clear = self.state == S::Clear && !self.there && self.held_us == 0;
-        if clear && level.value < threshold.raise && level.value < threshold.at_once {
+        if clear && level.value < threshold.raise && !threshold.is_at_once(level.value) {
             (self.level, self.place, self.seen_us) = (level.value, level.place, time_us);
             return None;
         }
@@ -287,7 +148,7 @@ impl AlarmMachine {
         } else {
             level.value >= threshold.raise
         };
-        if level.value >= threshold.at_once {
+        if threshold.is_at_once(level.value) {
             self.held_us = threshold.hold_us;
         }
         let gone = !self.there && self.held_us == 0;
@@ -303,7 +164,13 @@ impl AlarmMachine {
                 self.held_us = threshold.hold_us;
                 self.raise()
             }
-            S::Acknowledged if level.value - self.worst >= threshold.worse => self.raise(),
+            S::Acknowledged
+                if threshold
+                    .worse
+                    .is_some_and(|step| level.value - self.worst >= step) =>
+            {
+                self.raise()
+            }
             S::Raised if gone => self.clear(S::Latched),
             S::Acknowledged if gone => self.clear(S::Clear),
             S::Raised => {
@@ -349,51 +216,6 @@ impl AlarmMachine {
             self.state,
             AlarmState::Raised | AlarmState::Acknowledged | AlarmState::Latched
         )
-    }
-}
-
-/// The threshold of each alarm.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[expect(missing_docs, reason = "each is of the alarm of its name")]
-pub struct Thresholds {
-    pub peak_pressure: Threshold,
-    pub contact_angle: Threshold,
-    pub slip: Threshold,
-    pub unloaded_balls: Threshold,
-    pub preload_growth: Threshold,
-    pub preload_loss: Threshold,
-    pub overload: Threshold,
-    pub life_used: Threshold,
-    pub sensor: Threshold,
-    pub temperature: Threshold,
-    pub availability: Threshold,
-    pub deadline: Threshold,
-    pub stiffness_loss: Threshold,
-    pub stiffness_gain: Threshold,
-    pub probe: Threshold,
-}
-
-impl Thresholds {
-    /// An alarm's threshold.
-    pub const fn of(&self, alarm: Alarm) -> &Threshold {
-        match alarm {
-            Alarm::PeakPressure => &self.peak_pressure,
-            Alarm::ContactAngle => &self.contact_angle,
-            Alarm::Slip => &self.slip,
-            Alarm::UnloadedBalls => &self.unloaded_balls,
-            Alarm::PreloadGrowth => &self.preload_growth,
-            Alarm::PreloadLoss => &self.preload_loss,
-            Alarm::Overload => &self.overload,
-            Alarm::LifeUsed => &self.life_used,
-            Alarm::Sensor => &self.sensor,
-            Alarm::Temperature => &self.temperature,
-            Alarm::Availability => &self.availability,
-            Alarm::Deadline => &self.deadline,
-            Alarm::StiffnessLoss => &self.stiffness_loss,
-            Alarm::StiffnessGain => &self.stiffness_gain,
-            Alarm::Probe => &self.probe,
-        }
     }
 }
 
@@ -471,15 +293,15 @@ impl Judgement {
         &mut self,
         time_us: u64,
         levels: &Levels,
-        thresholds: &Thresholds,
+        thresholds: &[Threshold; Alarm::COUNT],
         due_us: impl Fn(Alarm) -> u32,
     ) -> Changes {
         let mut changes = Changes::new();
-        let machines = self.alarms.iter_mut().zip(Alarm::ALL).zip(levels.0);
-        for ((machine, alarm), level) in machines {
-            let Some(change) = level.and_then(|level| {
-                machine.update(time_us, level, thresholds.of(alarm), due_us(alarm))
-            }) else {
+        let machines = self.alarms.iter_mut().zip(thresholds).zip(Alarm::ALL);
+        for (((machine, threshold), alarm), level) in machines.zip(levels.0) {
+            let Some(change) =
+                level.and_then(|level| machine.update(time_us, level, threshold, due_us(alarm)))
+            else {
                 continue;
             };
             match change {
@@ -508,8 +330,8 @@ mod tests {
         raise: 10.0,
         clear: 8.0,
         hold_us: 3000,
-        at_once: 100.0,
-        worse: 2.5,
+        at_once: Some(100.0),
+        worse: Some(2.5),
     };
 
     const DUE_US: u32 = 20_000;

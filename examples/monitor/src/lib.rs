@@ -102,6 +102,7 @@
 extern crate std;
 
 mod accuracy;
+pub mod alarms;
 pub mod board;
 pub mod command;
 mod cost;
@@ -130,9 +131,10 @@ pub mod tick;
 mod tracker;
 pub mod watch;
 
+pub use alarms::Alarm;
 pub use board::BoardReport;
 pub use command::{Command, Order};
-pub use judgement::{Alarm, AlarmState, Changes, Judgement};
+pub use judgement::{AlarmState, Changes, Judgement};
 pub use life::Life;
 pub use marks::{Mark, Marks};
 pub use plausibility::{GoodSample, Readings};
@@ -141,7 +143,6 @@ pub use settings::{
     MonitorSettings, ProbeSettings, ResponseSettings, RowSettings, SettingsError, ShaftSettings,
 };
 pub use temperature::{TemperatureSettings, TemperatureSource};
-pub use watch::WatchSettings;
 
 // In signatures.
 pub use {enumset, heapless};
@@ -529,8 +530,8 @@ impl<
     ) -> (Marks, Option<GoodSample>) {
         let settings = self.settings;
         if let Ok(Some(sample)) = &readings.loads {
-            let raise = settings.alarms.overload.raise;
-            if let Some(level) = watch::overload(&sample.load, &settings.watch, raise) {
+            let raise = settings.alarms[Alarm::Overload as usize].raise;
+            if let Some(level) = watch::overload(&sample.load, &settings.overload, raise) {
                 levels.set_value(Alarm::Overload, level);
             }
         }
@@ -691,7 +692,7 @@ impl<
                 && let Some(row) = settings.rows.get(rows.len())
                 && has_time()
             {
-                let limits = &settings.watch.limits;
+                let limits = &settings.limits();
                 let _ = rows.push(solution.row_summary(rows.len(), limits, &row.rating));
             }
             if rows.len() < *count {

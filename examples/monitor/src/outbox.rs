@@ -10,9 +10,10 @@
 //! meanwhile. An alarm that stands is sent again at an interval, which makes up for frames that the
 //! link itself loses.
 
+use crate::alarms::Alarm;
 use crate::command::Answer;
 use crate::framing;
-use crate::judgement::{Alarm, AlarmChange};
+use crate::judgement::AlarmChange;
 use crate::telemetry::{AlarmReport, FRAME_LENGTH, HealthReport, HelloReport, Payload, VERSION};
 use heapless::{Deque, Vec};
 use serde::Serialize;

@@ -34,8 +34,8 @@ pub struct PlausibilitySettings {
     pub missing_after_us: u32,
     /// Age of an estimate beyond which it is no longer fresh, us.
     pub fresh_us: u32,
-    /// Largest residual of redundant channels, counts.
-    pub residual: f32,
+    /// Largest residual of redundant channels, counts; none for any.
+    pub residual: Option<f32>,
     /// Highest speed in either direction, rad/s.
     pub speed: f32,
     /// Fastest change of speed, rad/s^2, from tick to tick. A source with a new value every few ticks
@@ -230,7 +230,10 @@ impl Plausibility {
         let within = |(load, [low, high]): (&f32, &[f32; 2])| load >= low && load <= high;
         let in_range = sample.load.iter().zip(&settings.load).all(within);
         marks.extend((finite && !in_range).then_some(Mark::Range));
-        marks.extend((sample.residual > settings.residual).then_some(Mark::Disagreement));
+        marks.extend(
+            (settings.residual.is_some_and(|most| sample.residual > most))
+                .then_some(Mark::Disagreement),
+        );
         let bits = sample.load.map(|load| load.to_bits() as i32);
         marks.extend(self.stuck.watch(bits).then_some(Mark::Stuck));
         if let Some((last, then)) = self.load {

@@ -1,7 +1,9 @@
 //! Measured and computed displacement at the probes, tick by tick.
 
+use crate::alarms::Alarm;
+use crate::alarms::Threshold;
 use crate::command::MOST_PROBES;
-use crate::judgement::{Alarm, Level, Levels, Thresholds};
+use crate::judgement::{Level, Levels};
 use crate::pairs::{Pairs, TickReadings};
 use crate::response::{Response, fault};
 use crate::retained::References;
@@ -27,13 +29,13 @@ impl<const P: usize> Probes<P> {
     /// Probes that are read once in a tick of this period, us.
     pub(crate) fn new(
         settings: &'static ResponseSettings<P>,
-        thresholds: &Thresholds,
+        thresholds: &[Threshold; Alarm::COUNT],
         period_us: u32,
     ) -> Self {
         const { assert!(P <= MOST_PROBES, "there are four probes at most") };
         let accuracies = settings.probes.each_ref().map(|probe| probe.accuracy);
-        let limits = [&thresholds.stiffness_loss, &thresholds.stiffness_gain];
-        let limits = limits.map(|threshold| threshold.raise);
+        let limits = [Alarm::StiffnessLoss, Alarm::StiffnessGain];
+        let limits = limits.map(|alarm| thresholds[alarm as usize].raise);
         Self {
             settings,
             pairs: Pairs::default(),

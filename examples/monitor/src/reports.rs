@@ -1,9 +1,10 @@
 //! Reports to the host: when each is due, and the frames that they become.
 
 use crate::accuracy;
+use crate::alarms::{Alarm, Threshold};
 use crate::board::BoardReport;
 use crate::command::COMMAND_LENGTH;
-use crate::judgement::{Alarm, AlarmChange, Changes, Judgement, Level, Thresholds};
+use crate::judgement::{AlarmChange, Changes, Judgement, Level};
 use crate::marks::Marks;
 use crate::outbox::Outbox;
 use crate::record;
@@ -305,12 +306,12 @@ impl<const R: usize, const N: usize, const FRAMES: usize> Reports<R, N, FRAMES> 
         alarm: Alarm,
         change: AlarmChange,
         alarms: &Judgement,
-        thresholds: &Thresholds,
+        thresholds: &[Threshold; Alarm::COUNT],
     ) {
         let machine = alarms.alarm(alarm);
         let (raised, cleared) = machine.counts();
         let Level { value, place } = machine.level();
-        let threshold = thresholds.of(alarm);
+        let threshold = &thresholds[alarm as usize];
         let report = AlarmReport {
             alarm,
             change,

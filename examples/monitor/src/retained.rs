@@ -31,9 +31,10 @@
 //! halves of 1,365 slots out in 130 years, at 10,000 erases. Power cuts every two minutes, day and night, wear them out
 //! in 13 years, a reset every second in 79 days.
 
+use crate::alarms::Alarm;
 use crate::board::ResetCause;
 use crate::command::MOST_PROBES;
-use crate::judgement::{Alarm, Judgement};
+use crate::judgement::Judgement;
 use crate::life::Life;
 use crate::log::{Log, PAYLOAD};
 pub use crate::log::{NorFlash, WriteError};

@@ -1,15 +1,15 @@
 //! Everything that fits a monitor to one spindle, in one place, for the compiler to check.
 
+use crate::alarms::{Alarm, Rhythm, Threshold};
 use crate::command::MOST_PROBES;
-use crate::judgement::{Alarm, Threshold, Thresholds};
 use crate::plausibility::PlausibilitySettings;
 use crate::response::{self, Fault};
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
-use crate::watch::{SECOND_US, WatchSettings};
+use crate::watch::SECOND_US;
 use core::f64::consts::PI;
 use core::fmt;
-use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits};
+use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits, Settings};
 
 macro_rules! demand {
     ($condition:expr, $field:literal, $must:literal) => {
@@ -53,28 +53,21 @@ pub struct RowSettings {
 impl RowSettings {
     /// A bearing of `balls` balls, with the load rating of [`Design::dynamic_load_rating`]. It does not grow.
     ///
-    /// Where the maker's `C` is known, [`RowSettings::with_rating`] takes it: the formula is 5 % to 8 % high, and the life by
-    /// it up to 25 % long.
+    /// Where the maker's `C` is known, [`RowSettings::of`] takes it: the formula is 5 % to 8 % high, and the life by it up to
+    /// 25 % long.
     pub const fn new(design: &Design, balls: usize) -> Self {
         let dynamic = design.dynamic_load_rating(balls);
+        Self::of(LifeRating::<f32>::new(design, balls, dynamic))
+    }
+
+    /// A bearing whose contacts have these dynamic load ratings. It does not grow.
+    pub const fn of(rating: LifeRating<f32>) -> Self {
         Self {
-            rating: LifeRating::<f32>::new(design, balls, dynamic),
+            rating,
             growth: Growth::NONE,
             heat: [Growth::NONE; 2],
             rotation: Growth::NONE,
         }
-    }
-
-    /// With the maker's basic dynamic load rating `C`, N, of a bearing of `balls` balls.
-    #[must_use]
-    pub const fn with_rating(
-        mut self,
-        design: &Design,
-        balls: usize,
-        dynamic_load_rating: f64,
-    ) -> Self {
-        self.rating = LifeRating::<f32>::new(design, balls, dynamic_load_rating);
-        self
     }
 
     /// Lets the row grow with the temperatures of both sides: [`Growth::by_temperatures`].
@@ -139,10 +132,10 @@ pub struct MonitorSettings<const R: usize = 1> {
     pub accuracy: [f32; 5],
     /// Bounds of plausible loads and speeds.
     pub plausibility: PlausibilitySettings,
-    /// Figures that levels are measured by.
-    pub watch: WatchSettings,
-    /// When alarms are raised.
-    pub alarms: Thresholds,
+    /// Largest amount of each load that the spindle may carry, N, N m.
+    pub overload: [f32; 5],
+    /// When alarms are raised, in the order of [`Alarm`].
+    pub alarms: [Threshold; Alarm::COUNT],
     /// How often telemetry goes out.
     pub telemetry: TelemetrySettings,
 }
@@ -201,7 +194,7 @@ impl<const P: usize> ResponseSettings<P> {
                 "a unit vector"
             );
             demand!(
-                positive(probe.accuracy) && probe.accuracy.is_finite(),
+                positive(probe.accuracy),
                 "probes.accuracy",
                 "positive and finite"
             );
@@ -242,76 +235,67 @@ impl core::error::Error for SettingsError {}
 /// waiting as many again; and two of a sender that is slower than ticks.
 const ESTIMATE_TICKS: u32 = 20;
 
-/// Above 0; infinite stands for no bound.
+/// Above 0, and a number.
 const fn positive(x: f32) -> bool {
-    x > 0.0
+    x > 0.0 && x.is_finite()
+}
+
+/// A number, and not below 0.
+const fn amount(x: f32) -> bool {
+    x >= 0.0 && x.is_finite()
 }
 
 const fn is_finite(growth: &Growth<f32>) -> bool {
     growth.axial.is_finite() && growth.radial.is_finite() && growth.ball.is_finite()
 }
 
-/// Worse by a quarter of the limit, and by no less than the alarm needs to clear.
-const fn threshold(raise: f32, clear: f32, hold_ms: u32) -> Threshold {
-    let (quarter, band) = (0.25 * raise, raise - clear);
-    Threshold {
-        raise,
-        clear,
-        hold_us: hold_ms * 1000,
-        at_once: f32::INFINITY,
-        worse: if quarter > band { quarter } else { band },
-    }
-}
-
-/// Of a time without a measurement, which grows by itself.
-const fn silence(raise: f32, clear: f32) -> Threshold {
-    Threshold {
-        worse: f32::INFINITY,
-        ..threshold(raise, clear, 0)
-    }
-}
-
-/// Largest plausible forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) of a spindle.
-///
-/// `ratings` is the sum of its rows' basic dynamic load ratings `C` (N), `pitch_diameter` their mean `dm` (m).
+/// Largest plausible forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) of a spindle, by the sum of its rows' basic dynamic load
+/// ratings `C` (N) and their mean pitch diameter `dm` (m).
 ///
 /// Forces are 6 % of the sum: `L10` of 4,600 million revolutions under such a load, shared by the rows. Moments are that force on
 /// an arm of `1.4 dm`, a cutter in front of the nose.
-pub const fn largest_loads(ratings: f64, pitch_diameter: f64) -> [f64; 5] {
+const fn largest_loads(ratings: f64, pitch_diameter: f64) -> [f64; 5] {
     let force = 0.06 * ratings;
     let moment = force * 1.4 * pitch_diameter;
     [force, force, force, moment, moment]
 }
 
 /// Fastest change of a load in a second, over half of its range: a tooth of a third of that half in a tick, and a fifth more.
-pub const LOAD_RATE: f64 = 400.0;
+const LOAD_RATE: f64 = 400.0;
 
 /// Highest plausible speed (rad/s) of a spindle with this largest pitch diameter `dm` (m): `n dm = 1.8e6 mm/min`, of fast spindles
 /// with oil and air.
-pub const fn largest_speed(pitch_diameter: f64) -> f64 {
-    1.8e6 / (1e3 * pitch_diameter) * PI / 30.0
+const fn largest_speed(pitch_diameter: f64) -> f64 {
+    rad_per_s(1.8e6 / (1e3 * pitch_diameter))
+}
+
+const fn rad_per_s(rpm: f64) -> f64 {
+    rpm * PI / 30.0
 }
 
 impl<const R: usize> MonitorSettings<R> {
-    /// Settings to start from, for bearings of `balls` balls, all of one design, on a machine tool's
-    /// spindle. Loads are sampled at 1 kHz and solved at every tick on a Cortex-M4F at 168 MHz, thresholds
-    /// are on the safe side. Ranges, rates and overload follow from the bearings, as for a spindle's file that gives none
-    /// ([`largest_loads`]); narrow them to your spindle's.
+    /// Settings to start from, for bearings of `balls` balls, all of one design, on a machine tool's spindle: those of
+    /// [`MonitorSettings::of`], with the load ratings of [`RowSettings::new`].
     pub const fn new(design: &Design, balls: usize) -> Self {
-        let most = largest_loads(
-            R as f64 * design.dynamic_load_rating(balls),
-            design.pitch_diameter,
-        );
-        let (mut load, mut load_rate, mut overload) = ([[0.0; 2]; 5], [0.0; 5], [0.0; 5]);
+        let bearing = [design.dynamic_load_rating(balls), design.pitch_diameter];
+        Self::of([RowSettings::new(design, balls); R], &[bearing; R])
+    }
+
+    /// Settings to start from, which those of a spindle's file are by default: by the basic dynamic load rating `C` (N) and the pitch
+    /// diameter `dm` (m) of each bearing on the shaft.
+    ///
+    /// Loads are sampled at 1 kHz and solved at every tick on a Cortex-M4F at 168 MHz, thresholds are on the safe side. Ranges, rates
+    /// and overload follow from the bearings: narrow them to your spindle's.
+    pub const fn of(rows: [RowSettings; R], bearings: &[[f64; 2]]) -> Self {
+        let (mut ratings, mut pitches, mut largest) = (0.0, 0.0, 0.0_f64);
         let mut i = 0;
-        while i < 5 {
-            load[i] = [-most[i] as f32, most[i] as f32];
-            load_rate[i] = (LOAD_RATE * most[i]) as f32;
-            overload[i] = most[i] as f32;
+        while i < bearings.len() {
+            let [rating, pitch] = bearings[i];
+            (ratings, pitches, largest) = (ratings + rating, pitches + pitch, largest.max(pitch));
             i += 1;
         }
-        Self {
-            rows: [RowSettings::new(design, balls); R],
+        let mut settings = Self {
+            rows,
             shaft: ShaftSettings {
                 loads_at: 0.0,
                 nose: 0.0,
@@ -323,79 +307,69 @@ impl<const R: usize> MonitorSettings<R> {
                 deadline_cycles: 168_000,
                 cost: CycleCost::CORTEX_M4F,
             },
-            tolerance: 2e-5,
+            tolerance: Settings::<f32>::TICK.tolerance,
             accuracy: [0.0; 5],
             plausibility: PlausibilitySettings {
-                load,
-                load_rate,
+                load: [[0.0; 2]; 5],
+                load_rate: [0.0; 5],
                 stuck_after: 100,
                 missing_after_us: 50_000,
                 fresh_us: 20_000,
-                residual: f32::INFINITY,
-                speed: largest_speed(design.pitch_diameter) as f32,
-                speed_rate: 2e4,
-                deceleration: 4e3,
+                residual: None,
+                speed: largest_speed(largest) as f32,
+                speed_rate: (1e3 * rad_per_s(191.0)) as f32,
+                deceleration: rad_per_s(38_200.0) as f32,
                 speed_stuck_after: 0,
-                speed_difference: [10.0, 0.02],
+                speed_difference: [rad_per_s(95.5) as f32, 0.02],
             },
-            watch: WatchSettings {
-                overload,
-                limits: Limits {
-                    peak_pressure: 2.0e9,
-                    friction: 0.06,
-                },
-            },
-            alarms: Thresholds {
-                peak_pressure: Threshold {
-                    at_once: 2.5e9,
-                    ..threshold(2.0e9, 1.9e9, 100)
-                },
-                contact_angle: threshold(0.0, -0.035, 100),
-                slip: threshold(0.06, 0.05, 500),
-                unloaded_balls: threshold(0.5, 0.25, 500),
-                preload_growth: threshold(4.0, 3.5, 1000),
-                preload_loss: threshold(0.8, 0.7, 500),
-                overload: threshold(1.0, 0.9, 3),
-                life_used: threshold(0.8, 0.79, 0),
-                sensor: silence(0.1, 0.05),
-                temperature: silence(5.0, 1.0),
-                availability: threshold(0.1, 0.05, 0),
-                deadline: threshold(10.0, 5.0, 0),
-                stiffness_loss: threshold(0.05, 0.04, 0),
-                stiffness_gain: threshold(0.05, 0.04, 0),
-                probe: threshold(0.5, 0.25, 0),
-            },
+            overload: [0.0; 5],
+            alarms: Alarm::usual_thresholds(),
             telemetry: TelemetrySettings {
                 estimate_us: 20_000,
-                balls_us: 200_000,
+                balls_us: 100_000
+                    * if bearings.len() < 2 {
+                        2
+                    } else {
+                        bearings.len() as u32
+                    },
                 health_us: 1_000_000,
                 standing_us: 10_000_000,
             },
+        };
+        let most = largest_loads(ratings, pitches / bearings.len() as f64);
+        let mut i = 0;
+        while i < 5 {
+            settings.set_range(i, [-most[i], most[i]]);
+            i += 1;
+        }
+        settings
+    }
+
+    /// Sets the plausible range of a load, N or N m, and what follows from it: the fastest change, the overload (the larger amount of
+    /// the range: what is beyond it has no estimate, but an alarm), and the accuracy (1 % of that, a good sensor's).
+    pub const fn set_range(&mut self, load: usize, [low, high]: [f64; 2]) {
+        let most = low.abs().max(high.abs());
+        self.plausibility.load[load] = [low as f32, high as f32];
+        self.plausibility.load_rate[load] = (LOAD_RATE * 0.5 * (high - low)) as f32;
+        self.overload[load] = most as f32;
+        self.accuracy[load] = (0.01 * most) as f32;
+    }
+
+    /// Limits of contacts that estimates report when they are passed: those of the alarms.
+    pub const fn limits(&self) -> Limits<f32> {
+        Limits {
+            peak_pressure: self.alarms[Alarm::PeakPressure as usize].raise,
+            friction: self.alarms[Alarm::Slip as usize].raise,
         }
     }
 
     /// Time in which a level of an alarm is followed by the next one, us, at most: for so long it stands.
     pub const fn due_us(&self, alarm: Alarm) -> u32 {
-        match alarm {
-            // With each estimate.
-            Alarm::PeakPressure
-            | Alarm::ContactAngle
-            | Alarm::Slip
-            | Alarm::UnloadedBalls
-            | Alarm::PreloadGrowth
-            | Alarm::PreloadLoss => self.tick.period_us.saturating_mul(ESTIMATE_TICKS),
-            // With each sample, which is missing after that.
-            Alarm::Overload => self.plausibility.missing_after_us,
-            // With each tick, however many are left out, and with each second.
-            Alarm::LifeUsed
-            | Alarm::Sensor
-            | Alarm::Temperature
-            | Alarm::Deadline
-            | Alarm::Availability => SECOND_US,
-            // With each block of the probes' readings.
-            Alarm::StiffnessLoss | Alarm::StiffnessGain | Alarm::Probe => {
-                response::longest_us(self.tick.period_us)
-            }
+        match alarm.rhythm() {
+            Rhythm::Estimate => self.tick.period_us.saturating_mul(ESTIMATE_TICKS),
+            Rhythm::Sample => self.plausibility.missing_after_us,
+            Rhythm::Tick => SECOND_US,
+            Rhythm::Block => response::longest_us(self.tick.period_us),
         }
     }
 
@@ -411,12 +385,12 @@ impl<const R: usize> MonitorSettings<R> {
             let row = &self.rows[i];
             let rating = &row.rating;
             demand!(
-                positive(rating.inner) && rating.inner.is_finite(),
+                positive(rating.inner),
                 "rows.rating.inner",
                 "positive and finite"
             );
             demand!(
-                positive(rating.outer) && rating.outer.is_finite(),
+                positive(rating.outer),
                 "rows.rating.outer",
                 "positive and finite"
             );
@@ -439,7 +413,7 @@ impl<const R: usize> MonitorSettings<R> {
         let mut i = 0;
         while i < 5 {
             demand!(
-                shaft.flexibility[i] >= 0.0 && shaft.flexibility[i].is_finite(),
+                amount(shaft.flexibility[i]),
                 "shaft.flexibility",
                 "numbers, not below 0"
             );
@@ -447,7 +421,11 @@ impl<const R: usize> MonitorSettings<R> {
         }
         if let Some(temperatures) = &self.temperatures {
             let [low, high] = temperatures.range;
-            demand!(low < high, "temperatures.range", "low, then high");
+            demand!(
+                low < high && low.is_finite() && high.is_finite(),
+                "temperatures.range",
+                "numbers: low, then high"
+            );
             let reference = temperatures.reference;
             demand!(
                 reference >= low && reference <= high,
@@ -466,7 +444,7 @@ impl<const R: usize> MonitorSettings<R> {
                 "positive"
             );
             demand!(
-                temperatures.noise >= 0.0,
+                amount(temperatures.noise),
                 "temperatures.noise",
                 "a number, not below 0"
             );
@@ -495,17 +473,18 @@ impl<const R: usize> MonitorSettings<R> {
         let mut i = 0;
         while i < 5 {
             let [low, high] = p.load[i];
-            demand!(low < high, "plausibility.load", "low, then high");
+            demand!(
+                low < high && low.is_finite() && high.is_finite(),
+                "plausibility.load",
+                "numbers: low, then high"
+            );
             demand!(
                 positive(p.load_rate[i]),
                 "plausibility.load_rate",
                 "positive"
             );
-            demand!(
-                self.accuracy[i] >= 0.0 && self.accuracy[i].is_finite(),
-                "accuracy",
-                "numbers, not below 0"
-            );
+            demand!(amount(self.accuracy[i]), "accuracy", "numbers, not below 0");
+            demand!(positive(self.overload[i]), "overload", "positive");
             i += 1;
         }
         demand!(
@@ -523,7 +502,14 @@ impl<const R: usize> MonitorSettings<R> {
             "plausibility.fresh_us",
             "at least a tick"
         );
-        demand!(positive(p.residual), "plausibility.residual", "positive");
+        demand!(
+            match p.residual {
+                Some(residual) => positive(residual),
+                None => true,
+            },
+            "plausibility.residual",
+            "positive"
+        );
         demand!(positive(p.speed), "plausibility.speed", "positive");
         demand!(
             positive(p.speed_rate),
@@ -537,25 +523,16 @@ impl<const R: usize> MonitorSettings<R> {
         );
         let [absolute, relative] = p.speed_difference;
         demand!(
-            absolute >= 0.0 && relative >= 0.0 && absolute + relative > 0.0,
+            amount(absolute) && amount(relative) && absolute + relative > 0.0,
             "plausibility.speed_difference",
-            "not below 0, and not both 0"
+            "numbers, not below 0, and not both 0"
         );
         let mut i = 0;
         while i < Alarm::COUNT {
             demand!(
-                self.alarms.of(Alarm::ALL[i]).is_sound(),
+                self.alarms[i].is_sound(),
                 "alarms",
                 "numbers, each to clear below that to raise, at_once not below, worse positive"
-            );
-            i += 1;
-        }
-        let mut i = 0;
-        while i < 5 {
-            demand!(
-                positive(self.watch.overload[i]),
-                "watch.overload",
-                "positive"
             );
             i += 1;
         }
@@ -604,10 +581,13 @@ mod tests {
                 "plausibility.load",
             ),
             (
-                |s| s.plausibility.residual = f32::NAN,
+                |s| s.plausibility.residual = Some(f32::NAN),
                 "plausibility.residual",
             ),
-            (|s| s.alarms.deadline.clear = 99.0, "alarms"),
+            (
+                |s| s.alarms[Alarm::Deadline as usize].clear = 99.0,
+                "alarms",
+            ),
             (
                 |s| s.rows[0].rating.outer = f32::INFINITY,
                 "rows.rating.outer",

@@ -17,10 +17,11 @@
 //!
 //! [`Outbox`](crate::outbox::Outbox) is the queue.
 
+use crate::alarms::Alarm;
 use crate::board::BoardReport;
 use crate::command::{Answer, MOST_PROBES};
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
-use crate::judgement::{Alarm, AlarmChange, AlarmState};
+use crate::judgement::{AlarmChange, AlarmState};
 use crate::loads::FrameCounts;
 use crate::marks::Marks;
 use crate::response::{Fault, ProbeReport};

@@ -1,18 +1,9 @@
 //! Levels of a tick, for the alarms to judge.
 
-use crate::judgement::{Alarm, Level, Levels};
+use crate::alarms::Alarm;
+use crate::judgement::{Level, Levels};
 use crate::plausibility::seconds;
-use spindle_bearing::{Facing, Limit, Limits, RowSummary};
-
-/// Figures that levels are measured by.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct WatchSettings {
-    /// Largest amount of each load that the spindle may carry, N, N m.
-    pub overload: [f32; 5],
-    /// Limits that estimates report when they are passed.
-    pub limits: Limits<f32>,
-}
+use spindle_bearing::{Facing, Limit, RowSummary};
 
 /// A second of ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -174,11 +165,11 @@ impl<const R: usize> Watch<R> {
     }
 }
 
-/// The level of measured loads, doubted or not, over the loads that the spindle may carry. None if it is not known: the load that is
+/// The level of measured loads, doubted or not, over the `most` that the spindle may carry. None if it is not known: the load that is
 /// missing may be the largest, unless the others `raise` the alarm already.
-pub(crate) fn overload(load: &[f32; 5], settings: &WatchSettings, raise: f32) -> Option<f32> {
+pub(crate) fn overload(load: &[f32; 5], most: &[f32; 5], raise: f32) -> Option<f32> {
     let mut largest = 0.0_f32;
-    for (load, most) in load.iter().zip(&settings.overload) {
+    for (load, most) in load.iter().zip(most) {
         if load.is_finite() {
             largest = largest.max(load.abs() / most);
         }
@@ -216,11 +207,7 @@ mod tests {
     /// A load that is no number takes no time off an overload that goes on.
     #[test]
     fn loads_that_are_missing_say_nothing_of_an_overload() {
-        let settings = WatchSettings {
-            overload: [100.0, 100.0, 100.0, 5.0, 5.0],
-            limits: Limits::default(),
-        };
-        let of = |load: [f32; 5]| overload(&load, &settings, 1.0);
+        let of = |load: [f32; 5]| overload(&load, &[100.0, 100.0, 100.0, 5.0, 5.0], 1.0);
         assert_eq!(of([50.0, -80.0, 0.0, 0.0, 1.0]), Some(0.8));
         assert_eq!(of([f32::NAN, 0.0, f32::INFINITY, 0.0, 0.0]), None);
         assert_eq!(of([200.0, 0.0, 0.0, 0.0, f32::NAN]), Some(2.0));

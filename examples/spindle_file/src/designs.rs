@@ -395,7 +395,7 @@ impl DesignFile {
     /// A text that is not a design; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str) -> Result<Self, DesignFileError> {
         let r = Reading { file, text };
-        Self::of(r, r.keys()?, None)
+        Self::of(r, r.keys(r.table()?)?, None)
     }
 
     /// The design of these keys, which stand in the `table` at this place of a spindle's file, if it is not a file of its own.

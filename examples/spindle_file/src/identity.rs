@@ -159,7 +159,7 @@ impl SpindleFile {
                 sum.take([channel as f64, um_per_count]);
             }
         }
-        let bridges = self.monitor.bridges.as_ref();
+        let bridges = self.sensors.bridges.as_ref();
         sum.count(bridges.map_or(0, |bridges| bridges.counts.len()));
         if let Some(bridges) = bridges {
             sum.take(
@@ -171,7 +171,7 @@ impl SpindleFile {
                     .copied(),
             );
             // The tare stands for these loads.
-            sum.take(self.monitor.idle);
+            sum.take(self.sensors.idle.map(f64::from));
         }
         sum.0.finalize()
     }

@@ -1,94 +1,80 @@
 //! The monitor of a spindle file: `[monitor]`, all of which may be left out.
 //!
-//! `docs/monitor_keys.md` has every key with its unit, default and meaning. Ranges, rates and speed follow from the bearings
-//! ([`largest_loads`], [`LOAD_RATE`], [`largest_speed`]). The overload is the larger amount of the range: what is beyond it has no
-//! estimate, but an alarm. The accuracy is 1 % of that, a good sensor's.
-//!
-//! The rest are the values that the shipped firmware has. Levels that count as limits (`Limits` of the library) are those of the
-//! alarms.
+//! [`KEYS`] has a line for each number. `docs/monitor_keys.md` is made of it. What is not said is as [`MonitorSettings::of`] has it
+//! for the file's bearings.
 
 use crate::calibration;
 use crate::designs::DesignFile;
 use crate::doubts::Doubts;
-use crate::reading::{DesignFileError, Key, Place, Reading, short};
-use serde::Deserialize;
-use spindle_monitor::Alarm;
-use spindle_monitor::settings::{LOAD_RATE, largest_loads, largest_speed};
+use crate::plan::MOST_ROWS;
+use crate::reading::{DesignFileError, Place, Reading, short};
+use serde::de::DeserializeOwned;
+use spindle_monitor::alarms::Threshold;
+use spindle_monitor::{Alarm, MonitorSettings, RowSettings, TemperatureSettings};
 use std::f64::consts::PI;
-use std::ops::{Range, RangeInclusive};
+use std::ops::RangeInclusive;
 use toml::Spanned;
+use toml::de::{DeTable, DeValue, ValueDeserializer};
 
-/// A monitor with every value settled, SI units.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct MonitorFile {
-    /// Period of a tick, us.
-    pub period_us: u32,
+/// Settings of a file's monitor. Rows, shaft and core are added where all of the file is known.
+pub(crate) type Settings = MonitorSettings<MOST_ROWS>;
+
+/// What a board has besides the settings of its monitor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sensors {
     /// Loads `Fx, Fy, Fz` (N), `My, Mz` (N m) of the idling spindle, to start from. No bridge can tell them from its zero.
-    pub idle: [f64; 5],
-    /// Bounds of plausible loads and speeds.
-    pub plausible: Plausible,
-    /// Largest amount of each load that the spindle may carry, N, N m.
-    pub overload: [f64; 5],
-    /// Accuracy of each measured load, N, N m; 0 for exact.
-    pub accuracy: [f64; 5],
-    /// Levels of alarms, in the order of their numbers.
-    pub alarms: [AlarmLevels; 15],
-    /// Bounds of temperatures: in use if the spindle has `[heat]`, where the reference is.
-    pub temperatures: Temperatures,
+    pub idle: [f32; 5],
     /// The tachometer, beside bridges.
     pub tachometer: Tachometer,
     /// Loads come from bridges at the board; else they come as records.
     pub bridges: Option<Bridges>,
     /// Samples of a tare of the bridges.
-    pub tare_samples: u32,
-    /// How often telemetry goes out.
-    pub telemetry: Telemetry,
-    /// Loads (N, N m) and speed (rad/s) of a usual cut, by which the faults that probes see are told apart; no loads for none.
-    pub cut: ([f64; 5], f64),
+    pub tare_samples: u16,
+    /// Loads (N, N m) of a usual cut, by which the faults that probes see are told apart; 0 for none.
+    pub cut: [f32; 5],
+    /// Speed of that cut, rad/s.
+    pub cut_speed: f32,
 }
 
-/// Bounds of plausible loads and speeds.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Plausible {
-    /// Lowest and highest of each load, N, N m.
-    pub load: [[f64; 2]; 5],
-    /// Fastest change of each load, N/s, N m/s.
-    pub load_rate: [f64; 5],
-    /// Equal loads in a row that are stuck; 0 for never.
-    pub stuck_after: u32,
-    /// Time without a sample that is one without loads, us.
-    pub missing_after_us: u32,
-    /// Age beyond which an estimate is no longer fresh, us.
-    pub fresh_us: u32,
-    /// Largest residual of redundant bridges, counts; infinite for any.
-    pub residual: f64,
-    /// Highest speed in either direction, rad/s.
-    pub speed: f64,
-    /// Fastest change of speed, rad/s^2.
-    pub speed_rate: f64,
-    /// Greatest deceleration of the shaft, rad/s^2: the tachometer's, too.
-    pub deceleration: f64,
-    /// Equal speeds in a row that are stuck; 0 for never.
-    pub speed_stuck_after: u32,
-    /// By how much two sources of speed may differ, rad/s, and as a part of the speed.
-    pub speed_difference: [f64; 2],
+/// The tachometer's pulses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tachometer {
+    /// Pulses of a revolution.
+    pub pulses_per_revolution: u16,
+    /// Above this speed pulses are counted, rad/s.
+    pub count_above: f32,
+    /// Below this speed their period is taken, rad/s.
+    pub period_below: f32,
+    /// Time over which pulses are counted, us.
+    pub gate_us: u32,
+    /// Time without a pulse that is a standstill, us.
+    pub standstill_us: u32,
 }
 
-/// Levels of an alarm, in its unit: Pa, rad, s, a part of 1 or a number.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct AlarmLevels {
-    /// Name of the alarm, as in the file.
-    pub name: &'static str,
-    /// The condition begins.
-    pub limit: f64,
-    /// It ends.
-    pub clear: f64,
-    /// So much of its time must add up, us.
-    pub hold_us: u32,
-    /// It is not waited for; infinite for never.
-    pub at_once: f64,
-    /// An acknowledged alarm that has grown by so much is raised again; infinite for never.
-    pub worse: f64,
+/// Five to eight strain bridges.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bridges {
+    /// Counts by loads, bridge by bridge: counts per N or N m.
+    pub counts: Vec<[f64; 5]>,
+    /// Loads by counts, bridge by bridge: N or N m per count, the least squares of `counts`.
+    pub loads: Vec<[f64; 5]>,
+}
+
+impl Sensors {
+    pub(crate) const USUAL: Self = Self {
+        idle: [0.0; 5],
+        tachometer: Tachometer {
+            pulses_per_revolution: 4,
+            count_above: (3820.0 * RPM) as f32,
+            period_below: (2865.0 * RPM) as f32,
+            gate_us: 5000,
+            standstill_us: 500_000,
+        },
+        bridges: None,
+        tare_samples: 1000,
+        cut: [0.0; 5],
+        cut_speed: 0.0,
+    };
 }
 
 /// A level of an alarm as files and tables have it: in the unit of [`Alarm::unit`], in six digits.
@@ -103,207 +89,148 @@ pub fn against(alarm: Alarm, value: f32, limit: f32) -> String {
     words.trim_end().to_owned()
 }
 
-/// Bounds of plausible temperatures, and their substitutes.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Temperatures {
-    /// Lowest and highest, degrees Celsius.
-    pub range: [f64; 2],
-    /// By how much both sides may differ, K.
-    pub difference: f64,
-    /// Fastest change of a side, K/s.
-    pub rate: f64,
-    /// Change that needs no time, K.
-    pub noise: f64,
-    /// Time without a good value after which a side is no longer measured, us.
-    pub missing_after_us: u32,
-    /// Time for which the last good value is held, us.
-    pub hold_us: u32,
-    /// Of the warm spindle, inner and outer side, degrees Celsius.
-    pub warm: [f64; 2],
+/// Where the value of a key goes, in SI units.
+enum Target<'m> {
+    Number(&'m mut f32),
+    /// None for any.
+    Bound(&'m mut Option<f32>),
+    /// Microseconds.
+    Time(&'m mut u32),
+    Count(&'m mut u16),
+    Pair(&'m mut [f32; 2]),
+    /// The plausible range of this load.
+    Range(&'m mut Settings, usize),
+    /// What [`Said::bridges`] reads.
+    Bridges,
+}
+use Target::{Bound, Count, Number, Pair, Range, Time};
+
+/// A unit in files, and its size in the unit of the settings. `{N}` is N or N m, by the load.
+type Unit = (&'static str, f64);
+
+const RPM: f64 = PI / 30.0;
+const MS: Unit = ("ms", 1e3);
+const LOAD: Unit = ("{N}", 1.0);
+const LOAD_RATE: Unit = ("{N}/ms", 1e3);
+const SPEED: Unit = ("rpm", RPM);
+const KELVIN: Unit = ("K", 1.0);
+const PLAIN: Unit = ("", 1.0);
+
+/// Least and largest value, in the unit of the file.
+type Bounds = [f64; 2];
+
+const POSITIVE: Bounds = [1e-6, 1e12];
+const AMOUNT: Bounds = [0.0, 1e9];
+const ANY: Bounds = [-1e9, 1e9];
+/// Milliseconds that microseconds of 32 bits reach.
+const TIME: Bounds = [1.0, 4e6];
+const SHORT_TIME: Bounds = [1e-3, 4e6];
+/// Of a number of things.
+const COUNT: Bounds = [0.0, 65_535.0];
+const SOME: Bounds = [1.0, 65_535.0];
+
+/// A key of `[monitor]`; `{load}` in its path stands for each of five loads, which the function counts.
+struct Key {
+    path: &'static str,
+    unit: Unit,
+    bounds: Bounds,
+    target: for<'m> fn(&'m mut Settings, &'m mut Sensors, usize) -> Target<'m>,
+    /// The default in words where it follows from the spindle; else it is a value of the settings.
+    default: &'static str,
+    meaning: &'static str,
 }
 
-/// The tachometer's pulses.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Tachometer {
-    /// Pulses of a revolution.
-    pub pulses_per_revolution: u32,
-    /// Above this speed pulses are counted, rad/s.
-    pub count_above: f64,
-    /// Below this speed their period is taken, rad/s.
-    pub period_below: f64,
-    /// Time over which pulses are counted, us.
-    pub gate_us: u32,
-    /// Time without a pulse that is a standstill, us.
-    pub standstill_us: u32,
+const fn key(
+    path: &'static str,
+    unit: Unit,
+    bounds: Bounds,
+    target: for<'m> fn(&'m mut Settings, &'m mut Sensors, usize) -> Target<'m>,
+    default: &'static str,
+    meaning: &'static str,
+) -> Key {
+    Key {
+        path,
+        unit,
+        bounds,
+        target,
+        default,
+        meaning,
+    }
 }
 
-/// Five to eight strain bridges.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Bridges {
-    /// Counts by loads, bridge by bridge: counts per N or N m.
-    pub counts: Vec<[f64; 5]>,
-    /// Loads by counts, bridge by bridge: N or N m per count, the least squares of `counts`.
-    pub loads: Vec<[f64; 5]>,
+fn temperatures(settings: &mut Settings) -> &mut TemperatureSettings {
+    let usual = TemperatureSettings::SPINDLE;
+    settings.temperatures.get_or_insert(usual)
 }
 
-/// Times between frames of telemetry, us.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[expect(missing_docs, reason = "each is of the frames of its name")]
-pub struct Telemetry {
-    pub estimate_us: u32,
-    pub balls_us: u32,
-    pub health_us: u32,
-    /// Of an alarm that stands.
-    pub standing_us: u32,
-}
-
-type Said = Key<f64>;
-type Range2 = Key<[f64; 2]>;
-
+/// In the order in which they count: rates and overload follow from ranges, and are set after them.
 #[rustfmt::skip]
-mod keys {
-    use super::{Deserialize, Key, Range2, Said};
-
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct MonitorKeys {
-        pub period_ms: Said, pub loads: Key<String>, pub idle: LoadKeys, pub plausible: PlausibleKeys, pub overload: LoadKeys,
-        pub accuracy: LoadKeys, pub alarm: AlarmsKeys, pub temperatures: TemperatureKeys, pub tachometer: TachometerKeys,
-        pub bridges: BridgeKeys, pub telemetry: TelemetryKeys, pub cut: CutKeys,
-    }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct LoadKeys { pub fx_n: Said, pub fy_n: Said, pub fz_n: Said, pub my_nm: Said, pub mz_nm: Said }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct PlausibleKeys {
-        pub fx_n: Range2, pub fy_n: Range2, pub fz_n: Range2, pub my_nm: Range2, pub mz_nm: Range2,
-        pub fx_n_per_ms: Said, pub fy_n_per_ms: Said, pub fz_n_per_ms: Said, pub my_nm_per_ms: Said, pub mz_nm_per_ms: Said,
-        pub stuck_after: Said, pub missing_ms: Said, pub fresh_ms: Said, pub residual_counts: Said,
-        pub speed_rpm: Said, pub speed_rpm_per_ms: Said, pub deceleration_rpm_per_s: Said, pub speed_stuck_after: Said,
-        pub speed_difference_rpm: Said, pub speed_difference_percent: Said,
-    }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields, rename_all = "kebab-case")]
-    pub(crate) struct AlarmsKeys {
-        pub peak_pressure: AlarmKeys, pub contact_angle: AlarmKeys, pub slip: AlarmKeys, pub unloaded_balls: AlarmKeys,
-        pub preload_growth: AlarmKeys, pub preload_loss: AlarmKeys, pub overload: AlarmKeys, pub stiffness_loss: AlarmKeys,
-        pub stiffness_gain: AlarmKeys, pub life_used: AlarmKeys, pub sensor: AlarmKeys, pub probe: AlarmKeys,
-        pub temperature: AlarmKeys, pub availability: AlarmKeys, pub deadline: AlarmKeys,
-    }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct AlarmKeys { pub limit: Said, pub clear: Said, pub hold_ms: Said, pub at_once: Said }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct TemperatureKeys {
-        pub range_c: Range2, pub difference_k: Said, pub rate_k_per_s: Said, pub noise_k: Said, pub missing_ms: Said,
-        pub hold_ms: Said, pub warm_c: Range2,
-    }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct TachometerKeys {
-        pub pulses_per_revolution: Said, pub count_above_rpm: Said, pub period_below_rpm: Said, pub gate_ms: Said,
-        pub standstill_ms: Said,
-    }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct BridgeKeys { pub counts: Key<Vec<[f64; 5]>>, pub tare_samples: Said }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct CutKeys {
-        pub fx_n: Said, pub fy_n: Said, pub fz_n: Said, pub my_nm: Said, pub mz_nm: Said, pub speed_rpm: Said,
-    }
-    #[derive(Deserialize, Default)] #[serde(default, deny_unknown_fields)]
-    pub(crate) struct TelemetryKeys { pub estimate_ms: Said, pub balls_ms: Said, pub health_ms: Said, pub standing_ms: Said }
-}
-use keys::AlarmKeys;
-pub(crate) use keys::MonitorKeys;
-
-/// A number: its key, its default in the file's unit (none if it follows from others), bounds, where it is read from, and what
-/// it sets.
-type Number = (
-    &'static str,
-    Option<f64>,
-    Bounds,
-    fn(&MonitorKeys) -> &Said,
-    fn(&mut MonitorFile, f64),
-);
-
-#[derive(Clone, Copy, PartialEq)]
-enum Bounds {
-    /// Milliseconds from this to those that microseconds of 32 bits reach.
-    Time(f64),
-    /// Whole, from this to 16 bits.
-    Count(f64),
-    From(f64, f64),
-}
-use Bounds::{Count, From, Time};
-
-const POSITIVE: Bounds = From(1e-6, 1e12);
-
-fn us(ms: f64) -> u32 {
-    (ms * 1e3).round() as u32
-}
-
-fn rad(rpm: f64) -> f64 {
-    rpm * PI / 30.0
-}
-
-#[rustfmt::skip]
-const NUMBERS: [Number; 52] = [
-    ("period_ms", Some(1.0), From(1.0, 10.0), |k| &k.period_ms, |m, x| m.period_us = us(x)),
-    ("idle.fx_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fx_n, |m, x| m.idle[0] = x),
-    ("idle.fy_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fy_n, |m, x| m.idle[1] = x),
-    ("idle.fz_n", Some(0.0), From(-1e9, 1e9), |k| &k.idle.fz_n, |m, x| m.idle[2] = x),
-    ("idle.my_nm", Some(0.0), From(-1e9, 1e9), |k| &k.idle.my_nm, |m, x| m.idle[3] = x),
-    ("idle.mz_nm", Some(0.0), From(-1e9, 1e9), |k| &k.idle.mz_nm, |m, x| m.idle[4] = x),
-    ("plausible.fx_n_per_ms", None, POSITIVE, |k| &k.plausible.fx_n_per_ms, |m, x| m.plausible.load_rate[0] = x * 1e3),
-    ("plausible.fy_n_per_ms", None, POSITIVE, |k| &k.plausible.fy_n_per_ms, |m, x| m.plausible.load_rate[1] = x * 1e3),
-    ("plausible.fz_n_per_ms", None, POSITIVE, |k| &k.plausible.fz_n_per_ms, |m, x| m.plausible.load_rate[2] = x * 1e3),
-    ("plausible.my_nm_per_ms", None, POSITIVE, |k| &k.plausible.my_nm_per_ms, |m, x| m.plausible.load_rate[3] = x * 1e3),
-    ("plausible.mz_nm_per_ms", None, POSITIVE, |k| &k.plausible.mz_nm_per_ms, |m, x| m.plausible.load_rate[4] = x * 1e3),
-    ("overload.fx_n", None, POSITIVE, |k| &k.overload.fx_n, |m, x| m.overload[0] = x),
-    ("overload.fy_n", None, POSITIVE, |k| &k.overload.fy_n, |m, x| m.overload[1] = x),
-    ("overload.fz_n", None, POSITIVE, |k| &k.overload.fz_n, |m, x| m.overload[2] = x),
-    ("overload.my_nm", None, POSITIVE, |k| &k.overload.my_nm, |m, x| m.overload[3] = x),
-    ("overload.mz_nm", None, POSITIVE, |k| &k.overload.mz_nm, |m, x| m.overload[4] = x),
-    ("accuracy.fx_n", None, From(0.0, 1e9), |k| &k.accuracy.fx_n, |m, x| m.accuracy[0] = x),
-    ("accuracy.fy_n", None, From(0.0, 1e9), |k| &k.accuracy.fy_n, |m, x| m.accuracy[1] = x),
-    ("accuracy.fz_n", None, From(0.0, 1e9), |k| &k.accuracy.fz_n, |m, x| m.accuracy[2] = x),
-    ("accuracy.my_nm", None, From(0.0, 1e9), |k| &k.accuracy.my_nm, |m, x| m.accuracy[3] = x),
-    ("accuracy.mz_nm", None, From(0.0, 1e9), |k| &k.accuracy.mz_nm, |m, x| m.accuracy[4] = x),
-    ("plausible.stuck_after", Some(100.0), Count(0.0), |k| &k.plausible.stuck_after, |m, x| m.plausible.stuck_after = x as u32),
-    ("plausible.missing_ms", Some(50.0), Time(1.0), |k| &k.plausible.missing_ms, |m, x| m.plausible.missing_after_us = us(x)),
-    ("plausible.fresh_ms", Some(20.0), Time(1.0), |k| &k.plausible.fresh_ms, |m, x| m.plausible.fresh_us = us(x)),
-    ("plausible.residual_counts", None, POSITIVE, |k| &k.plausible.residual_counts, |m, x| m.plausible.residual = x),
-    ("plausible.speed_rpm", None, From(1.0, 1e6), |k| &k.plausible.speed_rpm, |m, x| m.plausible.speed = rad(x)),
-    ("plausible.speed_rpm_per_ms", Some(191.0), POSITIVE, |k| &k.plausible.speed_rpm_per_ms, |m, x| m.plausible.speed_rate = rad(x) * 1e3),
-    ("plausible.deceleration_rpm_per_s", Some(38_200.0), POSITIVE, |k| &k.plausible.deceleration_rpm_per_s, |m, x| m.plausible.deceleration = rad(x)),
-    ("plausible.speed_stuck_after", None, Count(0.0), |k| &k.plausible.speed_stuck_after, |m, x| m.plausible.speed_stuck_after = x as u32),
-    ("plausible.speed_difference_rpm", Some(95.5), From(0.0, 1e6), |k| &k.plausible.speed_difference_rpm, |m, x| m.plausible.speed_difference[0] = rad(x)),
-    ("plausible.speed_difference_percent", Some(2.0), From(0.0, 100.0), |k| &k.plausible.speed_difference_percent, |m, x| m.plausible.speed_difference[1] = x / 100.0),
-    ("temperatures.difference_k", Some(40.0), POSITIVE, |k| &k.temperatures.difference_k, |m, x| m.temperatures.difference = x),
-    ("temperatures.rate_k_per_s", Some(1.0), POSITIVE, |k| &k.temperatures.rate_k_per_s, |m, x| m.temperatures.rate = x),
-    ("temperatures.noise_k", Some(1.0), From(0.0, 1e3), |k| &k.temperatures.noise_k, |m, x| m.temperatures.noise = x),
-    ("temperatures.missing_ms", Some(2000.0), Time(1.0), |k| &k.temperatures.missing_ms, |m, x| m.temperatures.missing_after_us = us(x)),
-    ("temperatures.hold_ms", Some(60_000.0), Time(1.0), |k| &k.temperatures.hold_ms, |m, x| m.temperatures.hold_us = us(x)),
-    ("tachometer.pulses_per_revolution", Some(4.0), Count(1.0), |k| &k.tachometer.pulses_per_revolution, |m, x| m.tachometer.pulses_per_revolution = x as u32),
-    ("tachometer.count_above_rpm", Some(3820.0), POSITIVE, |k| &k.tachometer.count_above_rpm, |m, x| m.tachometer.count_above = rad(x)),
-    ("tachometer.period_below_rpm", Some(2865.0), POSITIVE, |k| &k.tachometer.period_below_rpm, |m, x| m.tachometer.period_below = rad(x)),
-    ("tachometer.gate_ms", Some(5.0), Time(1e-3), |k| &k.tachometer.gate_ms, |m, x| m.tachometer.gate_us = us(x)),
-    ("tachometer.standstill_ms", Some(500.0), Time(1.0), |k| &k.tachometer.standstill_ms, |m, x| m.tachometer.standstill_us = us(x)),
-    ("bridges.tare_samples", Some(1000.0), Count(1.0), |k| &k.bridges.tare_samples, |m, x| m.tare_samples = x as u32),
-    ("cut.fx_n", Some(0.0), From(-1e9, 1e9), |k| &k.cut.fx_n, |m, x| m.cut.0[0] = x),
-    ("cut.fy_n", Some(0.0), From(-1e9, 1e9), |k| &k.cut.fy_n, |m, x| m.cut.0[1] = x),
-    ("cut.fz_n", Some(0.0), From(-1e9, 1e9), |k| &k.cut.fz_n, |m, x| m.cut.0[2] = x),
-    ("cut.my_nm", Some(0.0), From(-1e9, 1e9), |k| &k.cut.my_nm, |m, x| m.cut.0[3] = x),
-    ("cut.mz_nm", Some(0.0), From(-1e9, 1e9), |k| &k.cut.mz_nm, |m, x| m.cut.0[4] = x),
-    ("cut.speed_rpm", Some(0.0), From(-1e6, 1e6), |k| &k.cut.speed_rpm, |m, x| m.cut.1 = rad(x)),
-    ("telemetry.estimate_ms", Some(20.0), Time(1e-3), |k| &k.telemetry.estimate_ms, |m, x| m.telemetry.estimate_us = us(x)),
-    ("telemetry.balls_ms", None, Time(1e-3), |k| &k.telemetry.balls_ms, |m, x| m.telemetry.balls_us = us(x)),
-    ("telemetry.health_ms", Some(1000.0), Time(1e-3), |k| &k.telemetry.health_ms, |m, x| m.telemetry.health_us = us(x)),
-    ("telemetry.standing_ms", Some(10_000.0), Time(1e-3), |k| &k.telemetry.standing_ms, |m, x| m.telemetry.standing_us = us(x)),
+const KEYS: [Key; 37] = [
+    key("period_ms", MS, [1.0, 10.0], |m, _, _| Time(&mut m.tick.period_us), "", "period of a tick, 1 to 10"),
+    key("loads", PLAIN, ANY, |_, _, _| Target::Bridges, "`\"records\"`", "`\"records\"` come over the port; `\"bridges\"` are at the board, with a tachometer"),
+    key("idle.{load}", LOAD, ANY, |_, s, i| Number(&mut s.idle[i]), "", "{name}, within its plausible range"),
+    key("plausible.{load}", LOAD, [-1e12, 1e12], |m, _, i| Range(m, i), "± 6 % of the sum of the rows' `C`{arm}", "lowest and highest {name}"),
+    key("plausible.{load}_per_ms", LOAD_RATE, POSITIVE, |m, _, i| Number(&mut m.plausibility.load_rate[i]), "0.4 of half the range of `{load}`", "fastest change of the {name}"),
+    key("plausible.stuck_after", PLAIN, COUNT, |m, _, _| Count(&mut m.plausibility.stuck_after), "", "equal samples in a row that mean a stuck channel; 0 for never"),
+    key("plausible.missing_ms", MS, TIME, |m, _, _| Time(&mut m.plausibility.missing_after_us), "", "time without a sample after which loads are missing; a tick at least"),
+    key("plausible.fresh_ms", MS, TIME, |m, _, _| Time(&mut m.plausibility.fresh_us), "", "age beyond which an estimate is no longer fresh; a tick at least"),
+    key("plausible.residual_counts", ("counts", 1.0), POSITIVE, |m, _, _| Bound(&mut m.plausibility.residual), "any", "largest disagreement of more than five bridges"),
+    key("plausible.speed_rpm", SPEED, [1.0, 1e6], |m, _, _| Number(&mut m.plausibility.speed), "`n dm` = 1.8e6 mm/min, of the largest `dm`", "highest speed in either direction"),
+    key("plausible.speed_rpm_per_ms", ("rpm/ms", 1e3 * RPM), POSITIVE, |m, _, _| Number(&mut m.plausibility.speed_rate), "", "fastest change of speed, from tick to tick"),
+    key("plausible.deceleration_rpm_per_s", ("rpm/s", RPM), POSITIVE, |m, _, _| Number(&mut m.plausibility.deceleration), "", "greatest deceleration by the brake, and more; a faster stop is a lost signal"),
+    key("plausible.speed_stuck_after", PLAIN, COUNT, |m, _, _| Count(&mut m.plausibility.speed_stuck_after), "never with records, 10,000 with bridges", "equal speeds in a row, other than 0, that mean a stuck signal; 0 for never"),
+    key("plausible.speed_difference_rpm", SPEED, [0.0, 1e6], |m, _, _| Number(&mut m.plausibility.speed_difference[0]), "", "how much two sources of speed may differ"),
+    key("plausible.speed_difference_percent", ("%", 1e-2), [0.0, 100.0], |m, _, _| Number(&mut m.plausibility.speed_difference[1]), "", "besides, as a part of the speed"),
+    key("overload.{load}", LOAD, POSITIVE, |m, _, i| Number(&mut m.overload[i]), "the larger amount of its plausible range", "largest {name} that the spindle may carry"),
+    key("accuracy.{load}", LOAD, AMOUNT, |m, _, i| Number(&mut m.accuracy[i]), "1 % of the larger amount of its plausible range", "error of the {name}"),
+    key("temperatures.range_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).range), "", "lowest and highest"),
+    key("temperatures.difference_k", KELVIN, POSITIVE, |m, _, _| Number(&mut temperatures(m).difference), "", "how much both sides may differ"),
+    key("temperatures.rate_k_per_s", ("K/s", 1.0), POSITIVE, |m, _, _| Number(&mut temperatures(m).rate), "", "fastest change of a side"),
+    key("temperatures.noise_k", KELVIN, [0.0, 1e3], |m, _, _| Number(&mut temperatures(m).noise), "", "change that needs no time: steps and noise of the sensors"),
+    key("temperatures.missing_ms", MS, TIME, |m, _, _| Time(&mut temperatures(m).missing_after_us), "", "time without a good value after which a side is not measured any more"),
+    key("temperatures.hold_ms", MS, TIME, |m, _, _| Time(&mut temperatures(m).hold_us), "", "time for which the last good value is held; `missing_ms` at least"),
+    key("temperatures.warm_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).warm), "", "inner and outer side of the warm spindle, assumed after that"),
+    key("tachometer.pulses_per_revolution", PLAIN, SOME, |_, s, _| Count(&mut s.tachometer.pulses_per_revolution), "", "pulses of a revolution"),
+    key("tachometer.count_above_rpm", SPEED, POSITIVE, |_, s, _| Number(&mut s.tachometer.count_above), "", "above this speed, pulses are counted"),
+    key("tachometer.period_below_rpm", SPEED, POSITIVE, |_, s, _| Number(&mut s.tachometer.period_below), "", "below this speed, their period is taken; less than `count_above_rpm`"),
+    key("tachometer.gate_ms", MS, SHORT_TIME, |_, s, _| Time(&mut s.tachometer.gate_us), "", "time over which pulses are counted"),
+    key("tachometer.standstill_ms", MS, TIME, |_, s, _| Time(&mut s.tachometer.standstill_us), "", "time without a pulse that is a standstill"),
+    key("bridges.counts", ("counts per N, N m", 1.0), ANY, |_, _, _| Target::Bridges, "must be there", "a row of five for each of 5 to 8 bridges: counts by each load alone (`cargo calibrate`)"),
+    key("bridges.tare_samples", PLAIN, SOME, |_, s, _| Count(&mut s.tare_samples), "", "samples of a tare"),
+    key("cut.{load}", LOAD, ANY, |_, s, i| Number(&mut s.cut[i]), "", "{name}"),
+    key("cut.speed_rpm", SPEED, [-1e6, 1e6], |_, s, _| Number(&mut s.cut_speed), "", "speed"),
+    key("telemetry.estimate_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.estimate_us), "", "time between estimates"),
+    key("telemetry.balls_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.balls_us), "100 a row, 200 at least", "time between pictures of all balls"),
+    key("telemetry.health_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.health_us), "", "time between reports of health"),
+    key("telemetry.standing_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.standing_us), "", "time after which an alarm that stands is sent again"),
 ];
 
-/// An alarm, its levels in the unit of files (limit, clear, at once), its hold time (ms), where it is read from.
-type OfAlarm = (Alarm, [f64; 3], f64, fn(&keys::AlarmsKeys) -> &AlarmKeys);
+/// Keys of the five loads, their names, their units, and what a cutter's force makes moments by.
+const LOADS: [(&str, &str, &str, &str); 5] = [
+    ("fx_n", "axial force", "N", ""),
+    ("fy_n", "radial force", "N", ""),
+    ("fz_n", "radial force", "N", ""),
+    (
+        "my_nm",
+        "moment about y",
+        "N m",
+        " on an arm of 1.4 mean `dm`",
+    ),
+    (
+        "mz_nm",
+        "moment about z",
+        "N m",
+        " on an arm of 1.4 mean `dm`",
+    ),
+];
 
-const NEVER: f64 = f64::INFINITY;
-
-/// Keys of the five loads.
-const LOADS: [&str; 5] = ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"];
+/// Keys of each alarm, `alarm.NAME.KEY`, with their meanings.
+const OF_ALARM: [(&str, &str); 4] = [
+    ("limit", "level at which the condition begins"),
+    ("clear", "level at which it ends, below `limit`"),
+    ("hold_ms", "time of the condition that must add up"),
+    ("at_once", "level that is not waited for, `limit` at least"),
+];
 
 /// Usual ranges of loads over those by default, which are 6 % of the load rating `C` of all rows: from 0.012 % to 240 % of `C`.
 const RANGES: [f64; 2] = [2e-3, 40.0];
@@ -316,338 +243,309 @@ const LEAST_PERCENT: f64 = 0.05;
 /// Largest usual limit in percent.
 const MOST_PERCENT: f64 = 1e3;
 
-/// In the order of their numbers.
-#[rustfmt::skip]
-const ALARMS: [OfAlarm; 15] = [
-    (Alarm::PeakPressure, [2.0, 1.9, 2.5], 100.0, |k| &k.peak_pressure),
-    (Alarm::ContactAngle, [0.0, -2.0, NEVER], 100.0, |k| &k.contact_angle),
-    (Alarm::Slip, [0.06, 0.05, NEVER], 500.0, |k| &k.slip),
-    (Alarm::UnloadedBalls, [0.5, 0.25, NEVER], 500.0, |k| &k.unloaded_balls),
-    (Alarm::PreloadGrowth, [4.0, 3.5, NEVER], 1000.0, |k| &k.preload_growth),
-    (Alarm::PreloadLoss, [80.0, 70.0, NEVER], 500.0, |k| &k.preload_loss),
-    (Alarm::Overload, [100.0, 90.0, NEVER], 3.0, |k| &k.overload),
-    (Alarm::LifeUsed, [80.0, 79.0, NEVER], 0.0, |k| &k.life_used),
-    (Alarm::Sensor, [0.1, 0.05, NEVER], 0.0, |k| &k.sensor),
-    (Alarm::Temperature, [5.0, 1.0, NEVER], 0.0, |k| &k.temperature),
-    (Alarm::Availability, [10.0, 5.0, NEVER], 0.0, |k| &k.availability),
-    (Alarm::Deadline, [10.0, 5.0, NEVER], 0.0, |k| &k.deadline),
-    (Alarm::StiffnessLoss, [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_loss),
-    (Alarm::StiffnessGain, [5.0, 4.0, NEVER], 0.0, |k| &k.stiffness_gain),
-    (Alarm::Probe, [0.5, 0.25, NEVER], 0.0, |k| &k.probe),
-];
-
 /// A condition, the keys that may break it, and its words.
 type Contradiction = (
-    fn(&MonitorFile) -> bool,
-    fn(&MonitorKeys) -> [Option<Range<usize>>; 2],
+    fn(&Settings, &Sensors) -> bool,
+    [&'static str; 2],
     &'static str,
 );
 
 #[rustfmt::skip]
 const CONTRADICTIONS: [Contradiction; 8] = [
-    (|m| m.plausible.missing_after_us >= m.period_us, |k| [span(&k.plausible.missing_ms), span(&k.period_ms)],
+    (|m, _| m.plausibility.missing_after_us >= m.tick.period_us, ["plausible.missing_ms", "period_ms"],
         "`missing_ms` must be `period_ms` at least"),
-    (|m| m.plausible.fresh_us >= m.period_us, |k| [span(&k.plausible.fresh_ms), span(&k.period_ms)],
+    (|m, _| m.plausibility.fresh_us >= m.tick.period_us, ["plausible.fresh_ms", "period_ms"],
         "`fresh_ms` must be `period_ms` at least"),
-    (|m| m.plausible.stuck_after != 1, |k| [span(&k.plausible.stuck_after), None],
+    (|m, _| m.plausibility.stuck_after != 1, ["plausible.stuck_after"; 2],
         "`stuck_after` must be 0, for never, or at least 2"),
-    (|m| m.plausible.speed_stuck_after != 1, |k| [span(&k.plausible.speed_stuck_after), None],
+    (|m, _| m.plausibility.speed_stuck_after != 1, ["plausible.speed_stuck_after"; 2],
         "`speed_stuck_after` must be 0, for never, or at least 2"),
-    (|m| m.plausible.speed_difference != [0.0; 2],
-        |k| [span(&k.plausible.speed_difference_rpm), span(&k.plausible.speed_difference_percent)],
+    (|m, _| m.plausibility.speed_difference != [0.0; 2], ["plausible.speed_difference_rpm", "plausible.speed_difference_percent"],
         "`speed_difference_rpm` and `speed_difference_percent` must not both be 0"),
-    (|m| m.temperatures.warm.into_iter().all(|side| m.temperatures.has(side)),
-        |k| [span(&k.temperatures.warm_c), span(&k.temperatures.range_c)], "`warm_c` must be within `range_c`"),
-    (|m| m.temperatures.hold_us >= m.temperatures.missing_after_us,
-        |k| [span(&k.temperatures.hold_ms), span(&k.temperatures.missing_ms)], "`hold_ms` must be `missing_ms` at least"),
-    (|m| m.tachometer.period_below < m.tachometer.count_above,
-        |k| [span(&k.tachometer.period_below_rpm), span(&k.tachometer.count_above_rpm)],
+    (|m, _| m.temperatures.is_none_or(|t| t.warm.into_iter().all(|side| has(&t, side))), ["temperatures.warm_c", "temperatures.range_c"],
+        "`warm_c` must be within `range_c`"),
+    (|m, _| m.temperatures.is_none_or(|t| t.hold_us >= t.missing_after_us), ["temperatures.hold_ms", "temperatures.missing_ms"],
+        "`hold_ms` must be `missing_ms` at least"),
+    (|_, s| s.tachometer.period_below < s.tachometer.count_above, ["tachometer.period_below_rpm", "tachometer.count_above_rpm"],
         "`period_below_rpm` must be below `count_above_rpm`"),
 ];
 
-/// Where the last of these stands.
-fn last<const N: usize>(r: Reading<'_>, said: [Option<Range<usize>>; N]) -> Place {
-    let last = said.into_iter().flatten().max_by_key(|span| span.start);
-    last.map_or(Place::TOP, |span| r.place(span))
+fn has(temperatures: &TemperatureSettings, side: f32) -> bool {
+    let [low, high] = temperatures.range;
+    low <= side && side <= high
 }
 
-fn span<T>(key: &Key<T>) -> Option<Range<usize>> {
-    key.as_ref().map(Spanned::span)
-}
-
-/// A number within its bounds.
-fn bounded(
-    r: Reading<'_>,
-    key: &str,
-    said: &Spanned<f64>,
-    bounds: Bounds,
-) -> Result<f64, DesignFileError> {
-    let (value, whole) = (*said.get_ref(), matches!(bounds, Count(_)));
-    let (least, most) = match bounds {
-        Time(least) => (least, 4e6),
-        Count(least) => (least, 65_535.0),
-        From(least, most) => (least, most),
-    };
-    if (least..=most).contains(&value) && !(whole && value.fract() != 0.0) {
-        return Ok(value);
+impl Key {
+    /// Loads that it stands for; one that is none where it is about no load.
+    fn loads(&self) -> impl Iterator<Item = usize> {
+        0..if self.path.contains("{load}") { 5 } else { 1 }
     }
-    let be = if whole { "be a whole number" } else { "lie" };
-    let message = format!("`{key}` is {value}, but must {be} between {least} and {most}");
-    Err(r.error(r.place(said.span()), message))
-}
 
-/// Takes a range that is said: low, then high.
-fn range_of(r: Reading<'_>, said: &Range2, range: &mut [f64; 2]) -> Result<(), DesignFileError> {
-    let Some(said) = said else { return Ok(()) };
-    *range = *said.get_ref();
-    let [low, high] = *range;
-    if low.abs().max(high.abs()) > 1e12 {
-        let message =
-            format!("the range is from {low} to {high}, but must lie between -1e12 and 1e12");
-        return Err(r.error(r.place(said.span()), message));
+    /// Text about it for this load.
+    fn text(&self, text: &str, load: usize) -> String {
+        let (key, name, unit, arm) = LOADS[load];
+        text.replace("{load}", key)
+            .replace("{name}", name)
+            .replace("{N}", unit)
+            .replace("{arm}", arm)
     }
-    if low < high {
-        return Ok(());
-    }
-    let message = format!("the range is from {low} to {high}; give the lowest value first");
-    Err(r.error(r.place(said.span()), message))
-}
 
-impl Temperatures {
-    fn has(&self, temperature: f64) -> bool {
-        let [low, high] = self.range;
-        low <= temperature && temperature <= high
-    }
-}
-
-impl AlarmKeys {
-    /// Levels of an alarm. If the limit alone is said, the others go with it.
-    fn read(&self, r: Reading<'_>, alarm: &OfAlarm) -> Result<AlarmLevels, DesignFileError> {
-        let (alarm, [limit, clear, at_once], hold_ms, _) = *alarm;
-        let (name, (_, size)) = (alarm.name(), alarm.unit());
-        let value = |key: &str, said: &Said, otherwise: f64, bounds| match said {
-            Some(said) => bounded(r, &format!("alarm.{name}.{key}"), said, bounds),
-            None => Ok(otherwise),
+    /// Takes its value where it is said.
+    fn take(
+        &self,
+        said: &Said<'_, '_>,
+        (settings, sensors): (&mut Settings, &mut Sensors),
+        load: usize,
+    ) -> Result<(), DesignFileError> {
+        let path = self.text(self.path, load);
+        let Some(value) = said.value(&path) else {
+            return Ok(());
         };
-        let (usual, any) = (limit, From(-1e12, 1e12));
+        let (_, size) = self.unit;
+        let number = |is_whole| said.bounded(&path, value, self.bounds, is_whole);
+        match (self.target)(settings, sensors, load) {
+            Number(of) => *of = (number(false)? * size) as f32,
+            Bound(of) => *of = Some((number(false)? * size) as f32),
+            Time(of) => *of = (number(false)? * size).round() as u32,
+            Count(of) => *of = number(true)? as u16,
+            Pair(of) => *of = said.read::<[f64; 2]>(value)?.map(|x| x as f32),
+            Range(of, load) => of.set_range(load, said.read(value)?),
+            Target::Bridges => {}
+        }
+        Ok(())
+    }
+
+    /// Its default as pages have it: in words, or a value in code.
+    fn default(&self, load: usize) -> String {
+        if !self.default.is_empty() {
+            return self.text(self.default, load);
+        }
+        let (mut settings, mut sensors) = (Settings::of(no_rows(), &[]), Sensors::USUAL);
+        let (_, size) = self.unit;
+        let value = |x: f64| short(x / size).to_string();
+        let text = match (self.target)(&mut settings, &mut sensors, load) {
+            Number(of) => value((*of).into()),
+            Time(of) => value((*of).into()),
+            Count(of) => value((*of).into()),
+            Pair([low, high]) => format!("[{low}, {high}]"),
+            Bound(_) | Range(..) | Target::Bridges => String::new(),
+        };
+        format!("`{text}`")
+    }
+}
+
+/// Rows of a file whose rows are not known yet.
+fn no_rows() -> [RowSettings; MOST_ROWS] {
+    const NONE: RowSettings = RowSettings::of(spindle_bearing::LifeRating {
+        inner: 1.0,
+        outer: 1.0,
+    });
+    [NONE; MOST_ROWS]
+}
+
+/// Settings of rows of these bearings, nothing of which is said.
+pub(crate) fn usual(designs: &[DesignFile]) -> Settings {
+    let of = |of: &DesignFile| [of.dynamic_rating(), of.design.pitch_diameter];
+    let bearings: Vec<_> = designs.iter().map(of).collect();
+    Settings::of(no_rows(), &bearings)
+}
+
+/// A row of the page of keys.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeyRow {
+    /// Its table, such as `plausible`, empty for `[monitor]` itself; and its name there.
+    pub path: (String, String),
+    /// Its unit, empty for none.
+    pub unit: String,
+    /// Its default: in words, or in code.
+    pub default: String,
+    /// Its meaning.
+    pub meaning: String,
+}
+
+/// Every key but those of alarms, in the order of the reader.
+pub fn keys() -> Vec<KeyRow> {
+    let row = |key: &Key, load| {
+        let path = key.text(key.path, load);
+        let (table, name) = path.rsplit_once('.').unwrap_or(("", &path));
+        KeyRow {
+            path: (table.to_owned(), name.to_owned()),
+            unit: key.text(key.unit.0, load),
+            default: key.default(load),
+            meaning: key.text(key.meaning, load),
+        }
+    };
+    let of_key = |key: &'static Key| key.loads().map(move |load| row(key, load));
+    KEYS.iter().flat_map(of_key).collect()
+}
+
+/// Keys of any alarm with their meanings.
+pub const fn alarm_keys() -> [(&'static str, &'static str); 4] {
+    OF_ALARM
+}
+
+/// Paths of all keys.
+fn paths() -> Vec<String> {
+    let of_key = |key: &'static Key| key.loads().map(|load| key.text(key.path, load));
+    let of_alarm = |alarm: Alarm| OF_ALARM.map(|(key, _)| format!("alarm.{alarm}.{key}"));
+    let all = KEYS.iter().flat_map(of_key);
+    all.chain(Alarm::ALL.into_iter().flat_map(of_alarm))
+        .collect()
+}
+
+/// What a file says in `[monitor]`.
+struct Said<'t, 'v> {
+    r: Reading<'t>,
+    table: &'v DeTable<'t>,
+}
+
+impl<'t, 'v> Said<'t, 'v> {
+    fn value(&self, path: &str) -> Option<&'v Spanned<DeValue<'t>>> {
+        let mut path = path.split('.');
+        let first = self.table.get(path.next()?)?;
+        path.try_fold(first, |value, key| value.get_ref().get(key))
+    }
+
+    /// A number that is said.
+    fn number(&self, path: &str) -> Result<Option<f64>, DesignFileError> {
+        self.value(path).map(|value| self.read(value)).transpose()
+    }
+
+    /// Where the last of these stands.
+    fn place(&self, paths: [&str; 2]) -> Place {
+        let said = paths.into_iter().filter_map(|path| self.value(path));
+        let last = said.map(Spanned::span).max_by_key(|span| span.start);
+        last.map_or(Place::TOP, |span| self.r.place(span))
+    }
+
+    fn error(&self, paths: [&str; 2], message: impl Into<String>) -> DesignFileError {
+        self.r.error(self.place(paths), message)
+    }
+
+    fn read<T: DeserializeOwned>(
+        &self,
+        value: &Spanned<DeValue<'t>>,
+    ) -> Result<T, DesignFileError> {
+        let value = ValueDeserializer::from(value.clone());
+        T::deserialize(value).map_err(|error| self.r.refused(&error))
+    }
+
+    /// A number within its bounds.
+    fn bounded(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'t>>,
+        [least, most]: Bounds,
+        is_whole: bool,
+    ) -> Result<f64, DesignFileError> {
+        let number: f64 = self.read(value)?;
+        if (least..=most).contains(&number) && !(is_whole && number.fract() != 0.0) {
+            return Ok(number);
+        }
+        let be = if is_whole { "be a whole number" } else { "lie" };
+        let message = format!("`{key}` is {number}, but must {be} between {least} and {most}");
+        Err(self.r.error(self.r.place(value.span()), message))
+    }
+
+    /// Refuses a key under `above` that the reader does not have.
+    fn known(
+        &self,
+        table: &DeTable<'t>,
+        above: &str,
+        paths: &[String],
+    ) -> Result<(), DesignFileError> {
+        for (key, value) in table {
+            let path = format!("{above}{}", key.get_ref());
+            if paths.contains(&path) {
+                continue;
+            }
+            let below = format!("{path}.");
+            let place = |span| self.r.place(span);
+            if !paths.iter().any(|known| known.starts_with(&below)) {
+                let mut names: Vec<String> = Vec::new();
+                for known in paths.iter().filter_map(|known| known.strip_prefix(above)) {
+                    let name = known.split('.').next().unwrap_or(known);
+                    let name = format!("`{name}`");
+                    if !names.contains(&name) {
+                        names.push(name);
+                    }
+                }
+                let message = format!(
+                    "unknown field `{}`, expected one of {}",
+                    key.get_ref(),
+                    names.join(", ")
+                );
+                return Err(self.r.refusal(place(key.span()), &message));
+            }
+            let Some(table) = value.get_ref().as_table() else {
+                let message = format!("`{}` is a table of keys", key.get_ref());
+                return Err(self.r.error(place(value.span()), message));
+            };
+            self.known(table, &below, paths)?;
+        }
+        Ok(())
+    }
+
+    /// The threshold of an alarm. If the limit alone is said, the others go with it.
+    fn threshold(&self, alarm: Alarm) -> Result<Threshold, DesignFileError> {
+        let path = |key: &str| format!("alarm.{alarm}.{key}");
+        let number = |key: &str, bounds| {
+            let path = path(key);
+            let value = self.value(&path);
+            value
+                .map(|value| self.bounded(&path, value, bounds, false))
+                .transpose()
+        };
+        let (usual, any) = (alarm.usual(), [-1e12, 1e12]);
         // The usual limit of the contact angle is 0: its other levels keep their distance.
-        let is_offset = usual == 0.0;
-        let limit = value(
-            "limit",
-            &self.limit,
-            usual,
-            if is_offset { any } else { POSITIVE },
-        )?;
+        let is_offset = usual.limit == 0.0;
+        let limit = number("limit", if is_offset { any } else { POSITIVE })?.unwrap_or(usual.limit);
         let along = |level: f64| match is_offset {
             true => level + limit,
-            false => level * (limit / usual),
+            false => level * (limit / usual.limit),
         };
-        let clear = value("clear", &self.clear, along(clear), any)?;
-        let at_once = value("at_once", &self.at_once, along(at_once), any)?;
-        let hold_ms = value("hold_ms", &self.hold_ms, hold_ms, Time(0.0))?;
-        let [limit_si, clear_si, at_once_si] = [limit, clear, at_once].map(|level| level * size);
-        // A time without a measurement grows by itself.
-        let grows = ["sensor", "temperature"].contains(&name);
-        let step = (0.25 * limit_si).max(limit_si - clear_si);
-        let levels = AlarmLevels {
-            name,
-            limit: limit_si,
-            clear: clear_si,
-            hold_us: us(hold_ms),
-            at_once: at_once_si,
-            worse: if grows { NEVER } else { step },
+        let clear = number("clear", any)?.unwrap_or_else(|| along(usual.clear));
+        let at_once = number("at_once", any)?.or(usual.at_once.map(along));
+        let hold_ms = number("hold_ms", [0.0, TIME[1]])?.unwrap_or(usual.hold_ms.into());
+        let [of_limit, of_clear, of_once] = ["limit", "clear", "at_once"].map(path);
+        let (other, told) = match (clear < limit, at_once.is_none_or(|level| level >= limit)) {
+            (false, _) => (of_clear, "`clear` must be below `limit`"),
+            (_, false) => (of_once, "`at_once` must be `limit` at least"),
+            (true, true) => {
+                return Ok(alarm.threshold(limit, clear, at_once, (1e3 * hold_ms).round() as u32));
+            }
         };
-        let [of_limit, of_clear, of_once] = [&self.limit, &self.clear, &self.at_once].map(span);
-        let (place, told) = match (clear < limit, at_once >= limit) {
-            (false, _) => ([of_limit, of_clear], "`clear` must be below `limit`"),
-            (_, false) => ([of_limit, of_once], "`at_once` must be `limit` at least"),
-            (true, true) => return Ok(levels),
-        };
-        Err(r.error(last(r, place), format!("the alarm {name}: {told}")))
-    }
-}
-
-impl MonitorFile {
-    /// The monitor of rows of these bearings, nothing of which is said.
-    pub(crate) fn of(designs: &[DesignFile]) -> Self {
-        let mut monitor = Self::default();
-        let of_all = |of: fn(&DesignFile) -> f64| designs.iter().map(of);
-        let pitches = || of_all(|one| one.design.pitch_diameter);
-        let most = largest_loads(
-            of_all(DesignFile::dynamic_rating).sum(),
-            pitches().sum::<f64>() / designs.len() as f64,
-        );
-        monitor.plausible.load = most.map(|most| [-most, most]);
-        monitor.plausible.speed = largest_speed(pitches().fold(0.0, f64::max));
-        monitor.plausible.residual = NEVER;
-        monitor.telemetry.balls_us = us(100.0 * designs.len().max(2) as f64);
-        monitor.follow();
-        for (_, default, _, _, set) in NUMBERS {
-            if let Some(default) = default {
-                set(&mut monitor, default);
-            }
-        }
-        let r = Reading { file: "", text: "" };
-        for (levels, alarm) in monitor.alarms.iter_mut().zip(&ALARMS) {
-            *levels = AlarmKeys::default().read(r, alarm).unwrap_or_default();
-        }
-        monitor.temperatures.range = [-20.0, 120.0];
-        monitor.temperatures.warm = [40.0, 35.0];
-        monitor
-    }
-
-    /// What follows from the ranges of loads.
-    fn follow(&mut self) {
-        let ranges = self.plausible.load;
-        self.plausible.load_rate = ranges.map(|[low, high]| LOAD_RATE * 0.5 * (high - low));
-        self.overload = ranges.map(|[low, high]| high.abs().max(low.abs()));
-        self.accuracy = self.overload.map(|most| 0.01 * most);
-    }
-}
-
-impl MonitorKeys {
-    /// The monitor of a spindle with rows of these bearings; `reference` is the temperature of its `[heat]`.
-    pub fn read(
-        self,
-        r: Reading<'_>,
-        designs: &[DesignFile],
-        reference: Option<(f64, Place)>,
-        doubts: &mut Doubts<'_>,
-    ) -> Result<MonitorFile, DesignFileError> {
-        let mut monitor = MonitorFile::of(designs);
-        let p = &self.plausible;
-        let said = [&p.fx_n, &p.fy_n, &p.fz_n, &p.my_nm, &p.mz_nm];
-        for (range, said) in monitor.plausible.load.iter_mut().zip(said) {
-            range_of(r, said, range)?;
-        }
-        monitor.follow();
-        self.bridges(r, &mut monitor)?;
-        for (key, _, bounds, number, set) in NUMBERS {
-            if let Some(said) = number(&self) {
-                set(&mut monitor, bounded(r, key, said, bounds)?);
-            }
-        }
-        for (levels, alarm) in monitor.alarms.iter_mut().zip(&ALARMS) {
-            *levels = alarm.3(&self.alarm).read(r, alarm)?;
-        }
-        range_of(
-            r,
-            &self.temperatures.range_c,
-            &mut monitor.temperatures.range,
-        )?;
-        if let Some(warm) = &self.temperatures.warm_c {
-            monitor.temperatures.warm = *warm.get_ref();
-        }
-        self.contradictions(r, &monitor, reference)?;
-        self.doubt(r, designs, &monitor, doubts);
-        Ok(monitor)
-    }
-
-    /// Doubts ranges and levels in other units, and ranges that the file's own cut leaves.
-    fn doubt(
-        &self,
-        r: Reading<'_>,
-        designs: &[DesignFile],
-        m: &MonitorFile,
-        doubts: &mut Doubts<'_>,
-    ) {
-        let usual = MonitorFile::of(designs).plausible;
-        let (p, cut) = (&self.plausible, &self.cut);
-        let ranges = [&p.fx_n, &p.fy_n, &p.fz_n, &p.my_nm, &p.mz_nm];
-        let cuts = [&cut.fx_n, &cut.fy_n, &cut.fz_n, &cut.my_nm, &cut.mz_nm];
-        for (i, key) in LOADS.into_iter().enumerate() {
-            let ([low, high], most) = (m.plausible.load[i], m.overload[i]);
-            if let Some(said) = ranges[i] {
-                let [least, most] = RANGES.map(|part| part * usual.load[i][1]);
-                let key = format!("plausible.{key}");
-                let value = if high > -low { high } else { low };
-                let question = if i < 3 {
-                    "is it in N?"
-                } else {
-                    "is it in N m?"
-                };
-                doubts.unusual(r.place(said.span()), (&key, value), least..=most, question);
-            }
-            let Some(said) = cuts[i] else { continue };
-            let value = *said.get_ref();
-            let leaves = if !(low..=high).contains(&value) {
-                let [low, high] = [low, high].map(short);
-                format!("is plausible from {low} to {high}: records of it are not believed")
-            } else if value.abs() > most {
-                format!("is an overload above {}: it raises the alarm", short(most))
-            } else {
-                continue;
-            };
-            let message = format!(
-                "`cut.{key}` is {value}, and `{key}` {leaves}; is one of them in another unit?"
-            );
-            doubts.tell(r.place(said.span()), message);
-        }
-        if let Some(said) = &p.speed_rpm {
-            let (place, value) = (r.place(said.span()), *said.get_ref());
-            let [least, most] = SPEEDS.map(|part| (part * usual.speed * 30.0 / PI).round());
-            doubts.unusual(
-                place,
-                ("plausible.speed_rpm", value),
-                least..=most,
-                "is it in rpm?",
-            );
-        }
-        if let Some(said) = &cut.speed_rpm {
-            // By default it is that of fast spindles: the fastest ones are twice as fast.
-            let most = m.plausible.speed * if p.speed_rpm.is_some() { 1.0 } else { 2.0 };
-            let (value, most) = (*said.get_ref(), most * 30.0 / PI);
-            if value.abs() > most {
-                let message = format!(
-                    "`cut.speed_rpm` is {value}, and `plausible.speed_rpm` {}: records of it are not believed; is one of them in another \
-                     unit?",
-                    short(most)
-                );
-                doubts.tell(r.place(said.span()), message);
-            }
-        }
-        for alarm in &ALARMS {
-            let (alarm, [limit, ..], _, keys) = *alarm;
-            let (name, (unit, _)) = (alarm.name(), alarm.unit());
-            let usual = match (alarm, unit) {
-                (_, "GPa") => PRESSURES,
-                (_, "%") => LEAST_PERCENT * limit..=MOST_PERCENT,
-                (Alarm::Slip, _) => 0.0..=1.0,
-                _ => continue,
-            };
-            if let Some(said) = &keys(&self.alarm).limit {
-                let key = format!("alarm.{name}.limit");
-                let unit = if unit.is_empty() { "a part of 1" } else { unit };
-                doubts.unusual(
-                    r.place(said.span()),
-                    (&key, *said.get_ref()),
-                    usual,
-                    &format!("is it in {unit}?"),
-                );
-            }
-        }
+        let message = format!("the alarm {alarm}: {told}");
+        Err(self.error([&of_limit, &other], message))
     }
 
     /// Where loads come from.
-    fn bridges(&self, r: Reading<'_>, monitor: &mut MonitorFile) -> Result<(), DesignFileError> {
-        let loads = self.loads.as_ref();
-        let loads = loads.map(|loads| (&**loads.get_ref(), r.place(loads.span())));
-        let (counts, samples) = (&self.bridges.counts, &self.bridges.tare_samples);
-        let place = last(r, [span(counts), span(samples)]);
-        let counts = match (loads, counts) {
-            (Some(("bridges", _)), Some(counts)) => counts.get_ref(),
-            (Some(("bridges", place)), None) => {
+    fn bridges(
+        &self,
+        settings: &mut Settings,
+        sensors: &mut Sensors,
+    ) -> Result<(), DesignFileError> {
+        let keys = ["bridges.counts", "bridges.tare_samples"];
+        let [counts, samples] = keys.map(|path| self.value(path));
+        let counts = counts
+            .map(|counts| self.read::<Vec<[f64; 5]>>(counts))
+            .transpose()?;
+        let loads = self.value("loads");
+        let loads = loads.map(|loads| self.read::<String>(loads)).transpose()?;
+        let counts = match (loads.as_deref(), counts) {
+            (Some("bridges"), Some(counts)) => counts,
+            (Some("bridges"), None) => {
                 let message = "[monitor.bridges] lacks `counts`: of each bridge, by each load alone, per N or N m";
-                return Err(r.error(place, message));
+                return Err(self.error(["loads"; 2], message));
             }
-            (Some(("records", _)) | None, _) if counts.is_some() || samples.is_some() => {
+            (Some("records") | None, counts) if counts.is_some() || samples.is_some() => {
                 let message = "[monitor.bridges] is for `loads = \"bridges\"`; add that to [monitor], or remove this";
-                return Err(r.error(place, message));
+                return Err(self.error(keys, message));
             }
-            (Some(("records", _)) | None, _) => return Ok(()),
-            (Some((other, place)), _) => {
+            (Some("records") | None, _) => return Ok(()),
+            (Some(other), _) => {
                 let message = format!("{other:?} is none of \"records\", \"bridges\"");
-                return Err(r.error(place, message));
+                return Err(self.error(["loads"; 2], message));
             }
         };
         if !(5..=8).contains(&counts.len()) {
@@ -655,65 +553,196 @@ impl MonitorKeys {
                 "`counts` is of {} bridges, but must be of 5 to 8",
                 counts.len()
             );
-            return Err(r.error(place, message));
+            return Err(self.error(keys, message));
         }
-        let loads = calibration::loads(counts).map_err(|told| r.error(place, told))?;
-        monitor.bridges = Some(Bridges {
-            counts: counts.clone(),
+        let loads = calibration::loads(&counts).map_err(|told| self.error(keys, told))?;
+        sensors.bridges = Some(Bridges {
+            counts,
             loads: loads.by_bridge,
         });
         // A tachometer's speed is measured, and is never quite equal for ten seconds.
-        monitor.plausible.speed_stuck_after = 10_000;
+        settings.plausibility.speed_stuck_after = 10_000;
         Ok(())
     }
 
-    /// Whether what is said goes together.
+    /// Refuses ranges that are none, and what does not go together.
     fn contradictions(
         &self,
-        r: Reading<'_>,
-        monitor: &MonitorFile,
+        settings: &Settings,
+        sensors: &Sensors,
         reference: Option<(f64, Place)>,
     ) -> Result<(), DesignFileError> {
-        let (p, t, idle) = (&self.plausible, &self.temperatures, &self.idle);
-        let idle = [&idle.fx_n, &idle.fy_n, &idle.fz_n, &idle.my_nm, &idle.mz_nm];
-        let ranges = [&p.fx_n, &p.fy_n, &p.fz_n, &p.my_nm, &p.mz_nm];
-        for (((idle, range), load), [low, high]) in idle
-            .into_iter()
-            .zip(ranges)
-            .zip(monitor.idle)
-            .zip(monitor.plausible.load)
-        {
-            // Ranges by default are none where the design is none.
-            if (idle.is_some() || range.is_some()) && (load < low || load > high) {
-                let place = last(r, [span(idle), span(range)]);
-                return Err(r.error(place, "the `idle` load must be within its plausible range"));
-            }
+        let loads = LOADS.map(|(load, ..)| format!("plausible.{load}"));
+        let ranges = loads.iter().map(String::as_str);
+        for path in ranges.chain(["temperatures.range_c"]) {
+            let Some(value) = self.value(path) else {
+                continue;
+            };
+            let [low, high] = self.read::<[f64; 2]>(value)?;
+            let message = if low.abs().max(high.abs()) > 1e12 {
+                format!("the range is from {low} to {high}, but must lie between -1e12 and 1e12")
+            } else if low < high {
+                continue;
+            } else {
+                format!("the range is from {low} to {high}; give the lowest value first")
+            };
+            return Err(self.error([path; 2], message));
         }
-        for (holds, said, told) in CONTRADICTIONS {
-            if !holds(monitor) {
-                return Err(r.error(last(r, said(self)), told));
-            }
-        }
-        let of_heat = |(key, ..): &&Number| key.starts_with("temperatures.");
-        let numbers = NUMBERS
+        for ((range, (load, ..)), (idle, [low, high])) in loads
             .iter()
-            .filter(of_heat)
-            .map(|number| span(number.3(self)));
-        let said = numbers
-            .chain([span(&t.range_c), span(&t.warm_c)])
-            .flatten()
-            .next();
-        match (reference, said) {
-            (Some((reference, place)), _) if !monitor.temperatures.has(reference) => Err(r.error(
-                place,
-                "`reference_c` must be within `range_c` of [monitor.temperatures]",
-            )),
+            .zip(LOADS)
+            .zip(sensors.idle.into_iter().zip(settings.plausibility.load))
+        {
+            let of_idle = format!("idle.{load}");
+            // Ranges by default are none where the design is none.
+            let is_said = [&of_idle, range].map(|path| self.value(path).is_some());
+            if is_said.contains(&true) && (idle < low || idle > high) {
+                let message = "the `idle` load must be within its plausible range";
+                return Err(self.error([&of_idle, range], message));
+            }
+        }
+        for (holds, paths, told) in CONTRADICTIONS {
+            if !holds(settings, sensors) {
+                return Err(self.error(paths, told));
+            }
+        }
+        match (reference, self.value("temperatures")) {
+            (Some((reference, place)), _)
+                if settings
+                    .temperatures
+                    .is_some_and(|t| !has(&t, reference as f32)) =>
+            {
+                let message = "`reference_c` must be within `range_c` of [monitor.temperatures]";
+                Err(self.r.error(place, message))
+            }
             (None, Some(said)) => {
                 let message =
                     "[monitor.temperatures] is for a spindle with [heat]; add that, or remove this";
-                Err(r.error(r.place(said), message))
+                let keys = said.get_ref().as_table().into_iter().flatten();
+                let first = keys.map(|(_, value)| value.span());
+                let first = first
+                    .min_by_key(|span| span.start)
+                    .unwrap_or_else(|| said.span());
+                Err(self.r.error(self.r.place(first), message))
             }
             _ => Ok(()),
         }
     }
+
+    /// Doubts ranges and levels in other units, and ranges that the file's own cut leaves.
+    fn doubt(
+        &self,
+        designs: &[DesignFile],
+        settings: &Settings,
+        doubts: &mut Doubts<'_>,
+    ) -> Result<(), DesignFileError> {
+        let usual = usual(designs).plausibility;
+        for (i, (key, _, unit, _)) in LOADS.into_iter().enumerate() {
+            let [low, high] = settings.plausibility.load[i].map(|x| short(x.into()));
+            let most = short(settings.overload[i].into());
+            let range = format!("plausible.{key}");
+            if self.value(&range).is_some() {
+                let usual = RANGES.map(|part| part * f64::from(usual.load[i][1]));
+                let value = if high > -low { high } else { low };
+                let question = format!("is it in {unit}?");
+                doubts.unusual(
+                    self.place([&range; 2]),
+                    (&range, value),
+                    usual[0]..=usual[1],
+                    &question,
+                );
+            }
+            let cut = format!("cut.{key}");
+            let Some(value) = self.number(&cut)? else {
+                continue;
+            };
+            let leaves = if !(low..=high).contains(&value) {
+                format!("is plausible from {low} to {high}: records of it are not believed")
+            } else if value.abs() > most {
+                format!("is an overload above {most}: it raises the alarm")
+            } else {
+                continue;
+            };
+            let message = format!(
+                "`{cut}` is {value}, and `{key}` {leaves}; is one of them in another unit?"
+            );
+            doubts.tell(self.place([&cut; 2]), message);
+        }
+        let speed = self.number("plausible.speed_rpm")?;
+        if let Some(value) = speed {
+            let [least, most] =
+                SPEEDS.map(|part| (part * f64::from(usual.speed) * 30.0 / PI).round());
+            doubts.unusual(
+                self.place(["plausible.speed_rpm"; 2]),
+                ("plausible.speed_rpm", value),
+                least..=most,
+                "is it in rpm?",
+            );
+        }
+        if let Some(value) = self.number("cut.speed_rpm")? {
+            // By default it is that of fast spindles: the fastest ones are twice as fast.
+            let most = speed.unwrap_or_else(|| short(2.0 * f64::from(usual.speed) * 30.0 / PI));
+            if value.abs() > most {
+                let message = format!(
+                    "`cut.speed_rpm` is {value}, and `plausible.speed_rpm` {most}: records of it are not believed; is one of them in another \
+                     unit?"
+                );
+                doubts.tell(self.place(["cut.speed_rpm"; 2]), message);
+            }
+        }
+        for alarm in Alarm::ALL {
+            let (unit, _) = alarm.unit();
+            let usual = match (alarm, unit) {
+                (_, "GPa") => PRESSURES,
+                (_, "%") => LEAST_PERCENT * alarm.usual().limit..=MOST_PERCENT,
+                (Alarm::Slip, _) => 0.0..=1.0,
+                _ => continue,
+            };
+            let path = format!("alarm.{alarm}.limit");
+            if let Some(value) = self.number(&path)? {
+                let unit = if unit.is_empty() { "a part of 1" } else { unit };
+                let question = format!("is it in {unit}?");
+                doubts.unusual(self.place([&path; 2]), (&path, value), usual, &question);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Reads `[monitor]` of a spindle with rows of these bearings; `reference` is the temperature of its `[heat]`.
+pub(crate) fn read(
+    r: Reading<'_>,
+    table: Option<&Spanned<DeValue<'_>>>,
+    designs: &[DesignFile],
+    reference: Option<(f64, Place)>,
+    doubts: &mut Doubts<'_>,
+) -> Result<(Settings, Sensors), DesignFileError> {
+    let (mut settings, mut sensors) = (usual(designs), Sensors::USUAL);
+    let none = DeTable::new();
+    let table = match table {
+        Some(value) => value
+            .get_ref()
+            .as_table()
+            .ok_or_else(|| r.error(r.place(value.span()), "`monitor` is a table of keys"))?,
+        None => &none,
+    };
+    let said = Said { r, table };
+    said.known(table, "", &paths())?;
+    said.bridges(&mut settings, &mut sensors)?;
+    temperatures(&mut settings);
+    for key in &KEYS {
+        for load in key.loads() {
+            key.take(&said, (&mut settings, &mut sensors), load)?;
+        }
+    }
+    for alarm in Alarm::ALL {
+        settings.alarms[alarm as usize] = said.threshold(alarm)?;
+    }
+    said.contradictions(&settings, &sensors, reference)?;
+    said.doubt(designs, &settings, doubts)?;
+    settings.temperatures = reference.map(|(reference, _)| TemperatureSettings {
+        reference: reference as f32,
+        ..*temperatures(&mut settings)
+    });
+    Ok((settings, sensors))
 }

@@ -108,17 +108,10 @@ pub struct Reading<'t> {
     pub text: &'t str,
 }
 
-impl Reading<'_> {
-    /// The text as keys.
-    pub fn keys<K: DeserializeOwned>(&self) -> Result<K, DesignFileError> {
-        let refused = |error: toml::de::Error| {
-            let place = error.span().map_or(Place::TOP, |span| self.place(span));
-            // A machinist knows no type `f64`.
-            let message = error.message().replace("expected f64", "expected a number");
-            let message = message.trim_end();
-            self.error(place, format!("{message}{}", meant(message)))
-        };
-        let table = DeTable::parse(self.text).map_err(refused)?;
+impl<'t> Reading<'t> {
+    /// The text as a table, whose numbers are finite.
+    pub fn table(&self) -> Result<Spanned<DeTable<'t>>, DesignFileError> {
+        let table = DeTable::parse(self.text).map_err(|error| self.refused(&error))?;
         match table
             .get_ref()
             .iter()
@@ -130,8 +123,30 @@ impl Reading<'_> {
                     format!("`{key}` is {said}, and no number; give one, or leave it out");
                 Err(self.error(self.place(span), message))
             }
-            None => toml::from_str(self.text).map_err(refused),
+            None => Ok(table),
         }
+    }
+
+    /// A table as keys.
+    pub fn keys<K: DeserializeOwned>(
+        &self,
+        table: Spanned<DeTable<'t>>,
+    ) -> Result<K, DesignFileError> {
+        let read = K::deserialize(toml::Deserializer::from(table));
+        read.map_err(|error| self.refused(&error))
+    }
+
+    /// A refusal by the parser, with its place.
+    pub(crate) fn refused(&self, error: &toml::de::Error) -> DesignFileError {
+        let place = error.span().map_or(Place::TOP, |span| self.place(span));
+        // A machinist knows no type `f64`.
+        let message = error.message().replace("expected f64", "expected a number");
+        self.refusal(place, message.trim_end())
+    }
+
+    /// A refusal, with the key that an unknown one may be meant to be.
+    pub(crate) fn refusal(&self, place: Place, message: &str) -> DesignFileError {
+        self.error(place, format!("{message}{}", meant(message)))
     }
 
     /// An error at a place.

@@ -74,7 +74,7 @@ use crate::designs::{BallKeys, ConstantLoadKeys, DesignFile, Keys, LoadKeys, Loa
 use crate::doubts::{Doubts, Extent};
 use crate::loads::LoadRow;
 use crate::loads::celsius;
-use crate::monitors::{MonitorFile, MonitorKeys};
+use crate::monitors::{self, Sensors};
 use crate::noses::{Nose, NoseKeys, PLAIN};
 use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Part, Plan, Question, Row, ShaftEnd};
 use crate::probes::{self, Probe, ProbeKeys};
@@ -83,6 +83,7 @@ use crate::reading::{
 };
 use crate::shafts::{ShaftKeys, SupportKeys};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use spindle_bearing::{
     Arrangement, Design, Expansion, Facing, FreeContact, Growth, LifeRating, Material, Preload,
     ShaftLoad, Support,
@@ -110,8 +111,10 @@ pub struct SpindleFile {
     pub(crate) bores: Vec<f64>,
     /// Thermal expansion, if temperatures count.
     pub heat: Option<Heat>,
-    /// Its monitor.
-    pub monitor: MonitorFile,
+    /// Settings of its monitor, but for rows, shaft and core: [`SpindleFile::settings`].
+    pub(crate) monitor: monitors::Settings,
+    /// What a board has besides.
+    pub sensors: Sensors,
     /// Figures that are solved as they are, and seem to be meant otherwise.
     pub doubts: Vec<String>,
     /// Where loads act.
@@ -149,8 +152,9 @@ struct SpindleKeys {
     load: Option<LoadKeys>,
     #[serde(default)]
     constant_load: Vec<ConstantLoadKeys>,
-    #[serde(default)]
-    monitor: MonitorKeys,
+    /// `monitors::read` takes it.
+    #[serde(rename = "monitor")]
+    _monitor: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -279,7 +283,8 @@ impl From<DesignFile> for SpindleFile {
             growth: vec![Growth::NONE],
             bores: Vec::new(),
             heat: None,
-            monitor: MonitorFile::of(std::slice::from_ref(&file)),
+            monitor: monitors::usual(std::slice::from_ref(&file)),
+            sensors: Sensors::USUAL,
             doubts: file.doubts.clone(),
             loading: file.loading.clone(),
             file: String::new(),
@@ -336,7 +341,9 @@ impl SpindleFile {
     /// A text that is not a spindle; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, DesignFileError> {
         let r = Reading { file, text };
-        let keys: SpindleKeys = r.keys()?;
+        let table = r.table()?;
+        let monitor = table.get_ref().get("monitor").cloned();
+        let keys: SpindleKeys = r.keys(table)?;
         let Some(name) = keys.name else {
             return Err(r.missing(None, "name", "\"7014C back to back\""));
         };
@@ -619,11 +626,12 @@ impl SpindleFile {
         });
         let spring = spring.transpose()?;
         let heat = heat.transpose()?;
-        let monitor = keys.monitor.read(r, &designs, reference, &mut doubts)?;
+        let (monitor, sensors) =
+            monitors::read(r, monitor.as_ref(), &designs, reference, &mut doubts)?;
         // The spindle's nose may not be drawn; a tool is not what a probe sees.
         let nose = noses.iter().filter(|nose| nose.name == PLAIN);
         let extent = extent.with(nose.map(|nose| nose.end.position));
-        let bridges = monitor.bridges.as_ref();
+        let bridges = sensors.bridges.as_ref();
         let probes = probes::read(r, keys.probe, bridges, &extent, &mut doubts)?;
         let of_designs = designs.iter().flat_map(|design| design.doubts.clone());
         let doubts = doubts.finish(of_designs);
@@ -643,6 +651,7 @@ impl SpindleFile {
             bores,
             heat,
             monitor,
+            sensors,
             doubts,
             loading,
             file: file.to_owned(),

@@ -3,9 +3,10 @@
 use super::decoder::Decoder;
 use super::state::State;
 use spindle_bearing::{Frequencies, Status};
+use spindle_monitor::Alarm;
 use spindle_monitor::Marks;
 use spindle_monitor::TemperatureSource;
-use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::judgement::{AlarmChange, AlarmState};
 use spindle_monitor::telemetry::{
     AlarmReport, BALLS_PER_FRAME, BallReport, BallsReport, EstimateReport, Frame, HealthReport,
     HelloReport, MOST_ROWS, Payload, ROWS_PER_FRAME, RowPlace, RowReport, RowsReport, ShaftReport,

@@ -4,9 +4,10 @@ use super::decoder::{Event, Gap, Tally};
 use serde::Serialize;
 use serde_json::{Value, json};
 use spindle_bearing::Facing;
+use spindle_monitor::Alarm;
 use spindle_monitor::command::{Answer, Order};
 use spindle_monitor::framing::FrameError;
-use spindle_monitor::judgement::{Alarm, AlarmState};
+use spindle_monitor::judgement::AlarmState;
 use spindle_monitor::telemetry::{
     AlarmReport, BallReport, BallsReport, EstimateReport, Frame, Payload, ProbesReport, RowPlace,
     RowReport, ShaftReport,

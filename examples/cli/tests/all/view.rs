@@ -9,10 +9,11 @@ use cli::telemetry::state::State;
 use cli::telemetry::{source, view};
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::Color;
+use spindle_monitor::Alarm;
 use spindle_monitor::Mark;
 use spindle_monitor::board::{BoardReport, Check};
 use spindle_monitor::command::{self, Command, Order, Request};
-use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::judgement::{AlarmChange, AlarmState};
 use spindle_monitor::response::{Fault, ProbeReport, Ratio, State as ProbeState};
 use spindle_monitor::retained::{Recovery, RetentionReport};
 use spindle_monitor::telemetry::{

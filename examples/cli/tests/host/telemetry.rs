@@ -14,9 +14,10 @@ use proptest::prelude::*;
 use serde_json::Value;
 use spindle_file::loads::LoadRow;
 use spindle_firmware::spindle::ROWS;
+use spindle_monitor::Alarm;
 use spindle_monitor::board::{BoardReport, Check, ResetCause};
 use spindle_monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
-use spindle_monitor::judgement::{Alarm, AlarmChange, AlarmState};
+use spindle_monitor::judgement::{AlarmChange, AlarmState};
 use spindle_monitor::retained::Recovery;
 use spindle_monitor::telemetry::{
     EstimateReport, Frame, HealthReport, HelloReport, Payload, VERSION, encode,

@@ -3,8 +3,9 @@
 use spindle_firmware::flash::{Cells, Flash, Pace, SECTOR, SECTORS};
 use spindle_firmware::receiver::{BAUD, PLACES, Receiver, Ring};
 use spindle_firmware::spindle::DESIGN_0;
+use spindle_monitor::Alarm;
 use spindle_monitor::board::ResetCause;
-use spindle_monitor::judgement::{Alarm, Levels};
+use spindle_monitor::judgement::Levels;
 use spindle_monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::response::Ratio;
@@ -15,7 +16,12 @@ use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-static SETTINGS: MonitorSettings = MonitorSettings::new(&DESIGN_0, 16);
+static SETTINGS: MonitorSettings = {
+    let mut settings = MonitorSettings::new(&DESIGN_0, 16);
+    settings.alarms[Alarm::Overload as usize].hold_us = 0;
+    settings.alarms[Alarm::Slip as usize].hold_us = 0;
+    settings
+};
 
 const CORE_HZ: u32 = 168_000_000;
 /// Of a byte with its start and stop bit, and of a tick.

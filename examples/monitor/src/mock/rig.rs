@@ -28,6 +28,7 @@ pub static SETTINGS: MonitorSettings = settings(10);
 /// Settings for one bearing with so many passes over the row in a tick. Wide ranges: beyond them loads are no loads.
 pub const fn settings(passes: u32) -> MonitorSettings {
     let mut settings = MonitorSettings::new(&B7005C, 16);
+    settings.tolerance = 2e-5;
     settings.plausibility.load = [
         [-10e3, 10e3],
         [-10e3, 10e3],
@@ -36,7 +37,7 @@ pub const fn settings(passes: u32) -> MonitorSettings {
         [-200.0, 200.0],
     ];
     settings.plausibility.load_rate = [1e6, 1e6, 1e6, 2e4, 2e4];
-    settings.watch.overload = [10e3, 10e3, 10e3, 200.0, 200.0];
+    settings.overload = [10e3, 10e3, 10e3, 200.0, 200.0];
     let cost = settings.tick.cost;
     let cost_of = cost.of(1, 16, 16);
     settings.tick.deadline_cycles = cost.tick

@@ -2,7 +2,8 @@
 
 use super::shipped::shipped;
 use super::spindle::MONITOR;
-use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level, Threshold};
+use spindle_monitor::alarms::Threshold;
+use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level};
 use spindle_monitor::mock::rig::{IDLE, Rig, at_speed, settings};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings, TemperatureSource};
@@ -38,7 +39,7 @@ fn every_alarm_is_raised_after_its_hold_time_and_cleared_after_four_of_them() {
         for interval in intervals(alarm) {
             let threshold = Threshold {
                 hold_us: hold_ms * 1000,
-                ..*MONITOR.alarms.of(alarm)
+                ..MONITOR.alarms[alarm as usize]
             };
             let hold_us = u64::from(threshold.hold_us);
             let above = Level::of(2.0 * threshold.raise - threshold.clear);
@@ -74,7 +75,7 @@ fn every_alarm_is_raised_after_its_hold_time_and_cleared_after_four_of_them() {
 fn a_blind_monitor_is_told_after_the_hold_time_of_availability() {
     static HELD: MonitorSettings = {
         let mut settings = settings(10);
-        settings.alarms.availability.hold_us = 5_000_000;
+        settings.alarms[Alarm::Availability as usize].hold_us = 5_000_000;
         settings
     };
     let mut rig = Rig::running(&HELD);

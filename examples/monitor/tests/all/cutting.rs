@@ -142,7 +142,7 @@ fn a_pressure_above_the_limit_is_one_alarm() {
 /// With the shipped settings no load is out of the range of estimates and within the alarm's.
 #[test]
 fn an_overload_needs_no_equilibrium_but_more_than_a_sample() {
-    let bounds = MONITOR.plausibility.load.iter().zip(MONITOR.watch.overload);
+    let bounds = MONITOR.plausibility.load.iter().zip(MONITOR.overload);
     for ([low, high], overload) in bounds {
         assert!(overload <= high.max(-low));
     }

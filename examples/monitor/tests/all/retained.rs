@@ -1,10 +1,11 @@
 //! Data kept by `monitor::retained`: what a record holds, when it is written, and how long the log lasts.
 
 use embedded_storage::nor_flash::NorFlash;
+use spindle_monitor::Alarm;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
-use spindle_monitor::judgement::{Alarm, AlarmState, Level, Levels};
+use spindle_monitor::judgement::{AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
 use spindle_monitor::mock::flash::FailingFlash;
@@ -21,6 +22,11 @@ use spindle_monitor::{Judgement, Life, Marks, Monitor, Order, Readings};
 static SETTINGS: MonitorSettings = {
     let mut settings = MonitorSettings::new(&B7005C, 16);
     settings.tick.deadline_cycles *= 10;
+    let mut i = 0;
+    while i < Alarm::COUNT {
+        settings.alarms[i].hold_us = 0;
+        i += 1;
+    }
     settings
 };
 /// Worked out by the compiler, as a firmware has it.

@@ -46,29 +46,18 @@ pub(super) static SPINDLE: ElasticSpindle<'static, f32, 2, 16> = {
 
 /// Settings of its monitor on an STM32F405.
 pub(super) static MONITOR: MonitorSettings<2> = {
-    const MOST: [f32; 5] = [1700.0, 1700.0, 1700.0, 85.0, 85.0];
-    /// 2 degrees.
-    const EDGE: f32 = 2_f32.to_radians();
+    const MOST: [f64; 5] = [1700.0, 1700.0, 1700.0, 85.0, 85.0];
     let mut settings = MonitorSettings::new(&B7005C, 16);
     settings.rows = [RowSettings::new(&B7005C, 16)
         .with_heat(&B7005C, &Expansion::STEEL, REACH)
         .with_rotation(&B7005C, BORE); 2];
     settings.temperatures = Some(TemperatureSettings::SPINDLE);
     settings.tick = TickSettings::new(1000, Core::STM32F405.hz, Core::STM32F405.cost);
-    settings.tolerance = 1e-3;
-    settings.accuracy = [17.0, 17.0, 17.0, 0.85, 0.85];
     let mut i = 0;
     while i < 5 {
-        settings.plausibility.load[i] = [-MOST[i], MOST[i]];
-        settings.plausibility.load_rate[i] = 660e3 / 1700.0 * MOST[i];
+        settings.set_range(i, [-MOST[i], MOST[i]]);
+        settings.plausibility.load_rate[i] = (660e3 / 1700.0 * MOST[i]) as f32;
         i += 1;
     }
-    // 191,000 and 38,200 rpm/s, and 95.5 rpm.
-    settings.plausibility.speed_rate = 20_001.473;
-    settings.plausibility.deceleration = 4000.2947;
-    settings.plausibility.speed_difference[0] = 10.000736;
-    settings.watch.overload = MOST;
-    settings.alarms.contact_angle.clear = -EDGE;
-    settings.alarms.contact_angle.worse = EDGE;
     settings
 };

@@ -2,17 +2,11 @@
 
 use super::{DynSolver, Parts, closed, growths};
 use crate::designs::DesignFileError;
-use crate::monitors::MonitorFile;
 use crate::plan::{BuildError, ElasticShaft, MOST_ROWS, Plan};
 use crate::spindles::SpindleFile;
-use spindle_bearing::{Growth, LifeRating, Limits, Settings, Speed, Static, Support};
-use spindle_monitor::judgement::{Threshold, Thresholds};
-use spindle_monitor::plausibility::PlausibilitySettings;
-use spindle_monitor::settings::TelemetrySettings;
+use spindle_bearing::{Growth, LifeRating, Settings, Speed, Static, Support};
 use spindle_monitor::tick::{Core, TickSettings};
-use spindle_monitor::{
-    Alarm, MonitorSettings, RowSettings, ShaftSettings, TemperatureSettings, WatchSettings,
-};
+use spindle_monitor::{MonitorSettings, RowSettings, ShaftSettings};
 use std::array::from_fn;
 
 /// The plan that a board has: a mounted preload as closures, constant loads on the shaft, and positions as in the file.
@@ -48,7 +42,8 @@ fn idle(file: &SpindleFile, plan: &Plan) -> Result<(), BuildError> {
     let growth: Vec<_> = file.growths().iter().map(|of| of[0]).collect();
     let at = Speed::rad_per_s(0.0).with_growth(growths(&growth));
     let mut solver = DynSolver::<f64, Static>::of();
-    let solved = solver.solve(&spindle, file.monitor.idle, at, &Settings::DEFAULT);
+    let idle = file.sensors.idle.map(f64::from);
+    let solved = solver.solve(&spindle, idle, at, &Settings::DEFAULT);
     solved.map(|_| ()).map_err(|status| {
         BuildError::Spindle(format!(
             "the idling spindle, from which the monitor starts, has no equilibrium ({status}): give a preload, or the loads of \
@@ -62,7 +57,7 @@ fn check(file: &SpindleFile, plan: &Plan, core: Option<Core>) -> Result<(), Buil
     let error = |text: String| Err(BuildError::Spindle(text));
     let parts = Parts::<f32>::of(plan)?;
     let counts: Vec<u16> = parts.spindle(plan)?.ball_counts().collect();
-    let settings = settings(file, &core.unwrap_or(Core::STM32F405));
+    let settings = file.settings(&core.unwrap_or(Core::STM32F405));
     if let Err(wrong) = settings.check() {
         return error(wrong.to_string());
     }
@@ -79,116 +74,37 @@ fn check(file: &SpindleFile, plan: &Plan, core: Option<Core>) -> Result<(), Buil
     Ok(())
 }
 
-/// The settings of the monitor of a file, on this core. Beyond its rows, they are those of the last one.
-pub fn settings(file: &SpindleFile, core: &Core) -> MonitorSettings<MOST_ROWS> {
-    let MonitorFile {
-        period_us,
-        plausible,
-        overload,
-        accuracy,
-        alarms,
-        temperatures: t,
-        telemetry,
-        ..
-    } = &file.monitor;
-    let (growths, ratings) = (file.growths(), file.ratings());
-    let nose = file.noses.first().map(|nose| nose.end);
-    let levels = |alarm: Alarm| &alarms[alarm as usize];
-    let threshold = |alarm| {
-        let of = levels(alarm);
-        Threshold {
-            raise: of.limit as f32,
-            clear: of.clear as f32,
-            hold_us: of.hold_us,
-            at_once: of.at_once as f32,
-            worse: of.worse as f32,
-        }
-    };
-    // The reader's bounds are those of 16 bits.
-    let count = |x: u32| u16::try_from(x).unwrap_or(u16::MAX);
-    MonitorSettings {
-        rows: from_fn(|i| {
-            let i = i.min(growths.len() - 1);
-            let LifeRating { inner, outer } = ratings[i];
-            let [growth, warm_inner, warm_outer, rotation] = growths[i].map(Growth::to_f32);
-            RowSettings {
-                rating: LifeRating {
-                    inner: inner as f32,
-                    outer: outer as f32,
-                },
-                growth,
-                heat: [warm_inner, warm_outer],
-                rotation,
-            }
-        }),
-        shaft: ShaftSettings {
-            loads_at: file.loaded_at() as f32,
-            nose: nose.map_or(0.0, |nose| nose.position) as f32,
-            flexibility: narrow(nose.map_or([0.0; 5], |nose| nose.flexibility)),
-        },
-        temperatures: file.heat.map(|heat| TemperatureSettings {
-            reference: heat.reference as f32,
-            range: narrow(t.range),
-            difference: t.difference as f32,
-            rate: t.rate as f32,
-            noise: t.noise as f32,
-            missing_after_us: t.missing_after_us,
-            hold_us: t.hold_us,
-            warm: narrow(t.warm),
-        }),
-        tick: TickSettings::new(
-            *period_us,
-            core.hz,
-            core.cost.with_probes(file.probes.len()),
-        ),
-        tolerance: Settings::<f32>::TICK.tolerance,
-        accuracy: narrow(*accuracy),
-        plausibility: PlausibilitySettings {
-            load: plausible.load.map(narrow),
-            load_rate: narrow(plausible.load_rate),
-            stuck_after: count(plausible.stuck_after),
-            missing_after_us: plausible.missing_after_us,
-            fresh_us: plausible.fresh_us,
-            residual: plausible.residual as f32,
-            speed: plausible.speed as f32,
-            speed_rate: plausible.speed_rate as f32,
-            deceleration: plausible.deceleration as f32,
-            speed_stuck_after: count(plausible.speed_stuck_after),
-            speed_difference: narrow(plausible.speed_difference),
-        },
-        watch: WatchSettings {
-            overload: narrow(*overload),
-            limits: Limits {
-                peak_pressure: levels(Alarm::PeakPressure).limit as f32,
-                friction: levels(Alarm::Slip).limit as f32,
+impl SpindleFile {
+    /// Settings of its monitor on this core. Beyond its rows, they are those of the last one.
+    pub fn settings(&self, core: &Core) -> MonitorSettings<MOST_ROWS> {
+        let (growths, ratings) = (self.growths(), self.ratings());
+        let nose = self.noses.first().map(|nose| nose.end);
+        MonitorSettings {
+            rows: from_fn(|i| {
+                let i = i.min(growths.len() - 1);
+                let LifeRating { inner, outer } = ratings[i];
+                let [growth, warm_inner, warm_outer, rotation] = growths[i].map(Growth::to_f32);
+                RowSettings {
+                    rating: LifeRating {
+                        inner: inner as f32,
+                        outer: outer as f32,
+                    },
+                    growth,
+                    heat: [warm_inner, warm_outer],
+                    rotation,
+                }
+            }),
+            shaft: ShaftSettings {
+                loads_at: self.loaded_at() as f32,
+                nose: nose.map_or(0.0, |nose| nose.position) as f32,
+                flexibility: nose.map_or([0.0; 5], |nose| nose.flexibility.map(|x| x as f32)),
             },
-        },
-        alarms: Thresholds {
-            peak_pressure: threshold(Alarm::PeakPressure),
-            contact_angle: threshold(Alarm::ContactAngle),
-            slip: threshold(Alarm::Slip),
-            unloaded_balls: threshold(Alarm::UnloadedBalls),
-            preload_growth: threshold(Alarm::PreloadGrowth),
-            preload_loss: threshold(Alarm::PreloadLoss),
-            overload: threshold(Alarm::Overload),
-            life_used: threshold(Alarm::LifeUsed),
-            sensor: threshold(Alarm::Sensor),
-            temperature: threshold(Alarm::Temperature),
-            availability: threshold(Alarm::Availability),
-            deadline: threshold(Alarm::Deadline),
-            stiffness_loss: threshold(Alarm::StiffnessLoss),
-            stiffness_gain: threshold(Alarm::StiffnessGain),
-            probe: threshold(Alarm::Probe),
-        },
-        telemetry: TelemetrySettings {
-            estimate_us: telemetry.estimate_us,
-            balls_us: telemetry.balls_us,
-            health_us: telemetry.health_us,
-            standing_us: telemetry.standing_us,
-        },
+            tick: TickSettings::new(
+                self.monitor.tick.period_us,
+                core.hz,
+                core.cost.with_probes(self.probes.len()),
+            ),
+            ..self.monitor
+        }
     }
-}
-
-fn narrow<const N: usize>(all: [f64; N]) -> [f32; N] {
-    all.map(|x| x as f32)
 }

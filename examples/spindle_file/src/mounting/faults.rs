@@ -3,6 +3,7 @@
 use super::{DynSolver, Parts, closed, growths};
 use crate::designs::DesignFileError;
 use crate::loads::LoadRow;
+use crate::monitors::Sensors;
 use crate::plan::{BuildError, Plan};
 use crate::probes::{MOST_PROBES, Probe};
 use crate::spindles::SpindleFile;
@@ -21,7 +22,7 @@ const SMALL: f64 = 0.05;
 ///
 /// The spindle cannot be built, or has no equilibrium under that cut; a probe does not see the cut.
 pub fn changes(file: &SpindleFile) -> Result<Vec<(Fault, Vec<f64>)>, DesignFileError> {
-    if file.probes.is_empty() || file.monitor.cut.0 == [0.0; 5] {
+    if file.probes.is_empty() || file.sensors.cut == [0.0; 5] {
         return Ok(Vec::new());
     }
     let explained = |error: BuildError| file.explain(&error);
@@ -110,12 +111,13 @@ impl Seen {
     fn of(file: &SpindleFile, plan: &Plan) -> Result<Self, BuildError> {
         let parts = Parts::of(plan)?;
         let spindle = parts.spindle(plan)?;
-        let (cut, speed) = file.monitor.cut;
+        let Sensors { idle, cut, .. } = &file.sensors;
+        let speed = f64::from(file.sensors.cut_speed);
         let mut solver = DynSolver::<f64>::new();
         let mut displacement = |share: f64| {
             let question = file.question(&LoadRow {
                 time_s: 0.0,
-                load: from_fn(|i| file.monitor.idle[i] + share * cut[i]),
+                load: from_fn(|i| f64::from(idle[i]) + share * f64::from(cut[i])),
                 speed_rpm: speed * 30.0 / PI,
                 temperatures: file.heat.map(|heat| [heat.reference; 2]),
                 probes: [None; MOST_PROBES],

@@ -1,15 +1,15 @@
-//! Keys of `[monitor]`: the page against the reader, every key from text to number, refusals by line and column.
+//! Keys of `[monitor]`: their page, every key from text to number, refusals by line and column.
 
 use spindle_file::designs::SHIPPED;
-use spindle_file::monitors::MonitorFile;
+use spindle_file::monitors::{KeyRow, Sensors, alarm_keys, keys};
+use spindle_file::plan::MOST_ROWS;
 use spindle_file::spindles::SpindleFile;
-use spindle_monitor::mock::rig::B7005C;
-use spindle_monitor::{Alarm, MonitorSettings, TemperatureSettings};
+use spindle_monitor::tick::Core;
+use spindle_monitor::{Alarm, MonitorSettings};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::path::Path;
 
-const PAGE: &str = include_str!("../../../../docs/monitor_keys.md");
 /// The shipped pair, with heat.
 const PAIR: &str = "\
 name = \"pair\"
@@ -27,199 +27,229 @@ facing = \"-x\"
 const COUNTS: &str = "counts = [[500, 0, 0, 0, 0], [0, 500, 0, 0, 0], [0, 0, 500, 0, 0], \
     [0, 0, 0, 2e4, 0], [0, 0, 0, 0, 2e4], [300, 300, 300, 0, 0]]";
 
-fn read(text: &str) -> Result<MonitorFile, String> {
+type Settings = MonitorSettings<MOST_ROWS>;
+
+fn read(text: &str) -> Result<(Settings, Sensors), String> {
     let file = SpindleFile::parse("s.toml", &format!("{PAIR}{text}"), Path::new(SHIPPED));
-    file.map(|file| file.monitor)
+    file.map(|file| (file.settings(&Core::STM32F405), file.sensors))
         .map_err(|error| error.to_string())
 }
 
-/// The monitor that a line of `[monitor.TABLE]` makes.
-fn with(key: &str, value: &str) -> MonitorFile {
-    let text = format!("[monitor]\n{}{key} = {value}\n", surroundings(key));
-    read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
-}
-
-/// Bridges, for their keys.
-fn surroundings(key: &str) -> String {
-    match key {
+/// What a line of `[monitor]` sets.
+fn with(key: &str, value: &str) -> (Settings, Sensors) {
+    let bridges = match key {
         "bridges.tare_samples" => format!("loads = \"bridges\"\nbridges.{COUNTS}\n"),
         "bridges.counts" => "loads = \"bridges\"\n".to_owned(),
         "loads" => format!("bridges.{COUNTS}\n"),
         _ => String::new(),
-    }
-}
-
-/// Keys of the reader under a table, as `serde` lists them where a key is unknown.
-fn keys_under(table: &str, keys: &mut BTreeSet<String>) -> bool {
-    let told = read(&format!("[{table}]\nunknown = 0")).unwrap_err();
-    let Some((_, expected)) = told.split_once("unknown field `unknown`, expected ") else {
-        return false;
     };
-    for key in expected.split('`').skip(1).step_by(2) {
-        let path = format!("{table}.{key}");
-        if !keys_under(&path, keys) {
-            keys.insert(path);
-        }
-    }
-    true
+    let text = format!("[monitor]\n{bridges}{key} = {value}\n");
+    read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-fn keys_of_reader() -> BTreeSet<String> {
-    let mut keys = BTreeSet::new();
-    assert!(keys_under("monitor", &mut keys));
-    let under = |path: &String| path.strip_prefix("monitor.").unwrap().to_owned();
-    keys.iter().map(under).collect()
+fn path_of(row: &KeyRow) -> String {
+    let (table, key) = &row.path;
+    [table.as_str(), key]
+        .join(".")
+        .trim_start_matches('.')
+        .to_owned()
 }
 
-/// Text in code of a cell.
-fn code(cell: &str) -> Option<&str> {
-    let text = cell.trim().strip_prefix('`')?.strip_suffix('`')?;
-    (!text.contains('`')).then_some(text)
-}
-
-/// Keys of the page with their defaults, as far as these are values.
-fn keys_of_page() -> Vec<(String, Option<String>)> {
-    let (mut keys, mut table) = (Vec::new(), "");
-    for line in PAGE.lines() {
-        if let Some(heading) = line.strip_prefix("## ") {
-            let path = code(heading).unwrap().trim_matches(['[', ']']);
-            table = path
-                .strip_prefix("monitor")
-                .unwrap()
-                .trim_start_matches('.');
-        }
-        let cells: Vec<&str> = line.split('|').skip(1).collect();
-        let Some(key) = cells.first().and_then(|cell| code(cell)) else {
-            continue;
+/// Tables of the page, under the headings that they stand below.
+fn tables() -> Vec<(String, Vec<String>)> {
+    let mut tables: Vec<(String, Vec<String>)> = Vec::new();
+    for row in keys() {
+        let heading = match row.path.0.as_str() {
+            "" => "## `[monitor]`".to_owned(),
+            table => format!("## `[monitor.{table}]`"),
         };
-        let value = |cell: &&str| code(cell).map(str::to_owned);
-        match (table, cells.len()) {
-            ("", _) => keys.push((key.to_owned(), cells.get(2).and_then(value))),
-            // Keys of any alarm stand above the table by alarms.
-            ("alarm.NAME", 5) => {}
-            ("alarm.NAME", _) => {
-                for (name, cell) in ["limit", "clear", "hold_ms", "at_once"]
-                    .iter()
-                    .zip(&cells[2..])
-                {
-                    keys.push((format!("alarm.{key}.{name}"), value(cell)));
-                }
-            }
-            _ => keys.push((format!("{table}.{key}"), cells.get(2).and_then(value))),
+        if tables.iter().all(|(of, _)| *of != heading) {
+            let head = [
+                "| key | unit | default | meaning |",
+                "| --- | --- | --- | --- |",
+            ];
+            tables.push((heading.clone(), head.map(str::to_owned).to_vec()));
+        }
+        let KeyRow {
+            path: (_, key),
+            unit,
+            default,
+            meaning,
+        } = row;
+        let line = format!("| `{key}` | {unit} | {default} | {meaning} |");
+        let table = tables.iter_mut().find(|(of, _)| *of == heading).unwrap();
+        table.1.push(line.replace("|  |", "| |"));
+    }
+    let mut alarms = vec!["| key | meaning |".to_owned(), "| --- | --- |".to_owned()];
+    alarms.extend(alarm_keys().map(|(key, meaning)| format!("| `{key}` | {meaning} |")));
+    let levels = [
+        "| alarm | unit | `limit` | `clear` | `hold_ms` | `at_once` |".to_owned(),
+        "| --- | --- | --- | --- | --- | --- |".to_owned(),
+    ];
+    let of_alarm = |alarm: Alarm| {
+        let usual = alarm.usual();
+        let at_once = usual
+            .at_once
+            .map_or("never".to_owned(), |level| format!("`{level}`"));
+        format!(
+            "| `{alarm}` | {} | `{}` | `{}` | `{}` | {at_once} |",
+            alarm.level_of(),
+            usual.limit,
+            usual.clear,
+            usual.hold_ms
+        )
+    };
+    let levels = levels.into_iter().chain(Alarm::ALL.map(of_alarm));
+    let of_alarms = "## `[monitor.alarm.NAME]`".to_owned();
+    tables.push((of_alarms.clone(), alarms));
+    tables.push((of_alarms, levels.collect()));
+    tables
+}
+
+/// The page has its text, and its tables from the reader.
+#[test]
+fn the_page_of_keys_is_the_readers() {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/monitor_keys.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let (mut tables, mut made) = (tables(), String::new());
+    let (mut heading, mut is_in_table) = ("", false);
+    for line in page.lines() {
+        if line.starts_with("## ") {
+            heading = line;
+        }
+        if !line.starts_with('|') {
+            is_in_table = false;
+            made += line;
+            made.push('\n');
+        } else if !std::mem::replace(&mut is_in_table, true) {
+            let found = tables.iter().position(|(of, _)| of == heading);
+            let (_, table) = tables.remove(found.unwrap_or_else(|| panic!("{line}")));
+            made += &(table.join("\n") + "\n");
         }
     }
-    keys
+    assert!(tables.is_empty(), "the page lacks {tables:?}");
+    let new = Path::new(env!("CARGO_TARGET_TMPDIR")).join("monitor_keys.md");
+    std::fs::write(&new, &made).unwrap();
+    assert!(
+        made == page,
+        "the keys have changed: copy {} to docs",
+        new.display()
+    );
 }
 
-#[test]
-fn the_page_has_every_key_of_the_reader_and_no_other() {
-    let page: Vec<String> = keys_of_page().into_iter().map(|(key, _)| key).collect();
-    let once: BTreeSet<String> = page.iter().cloned().collect();
-    assert_eq!(once.len(), page.len());
-    assert_eq!(once, keys_of_reader());
-}
-
+/// Values in code are what the reader has without them.
 #[test]
 fn a_default_of_the_page_is_that_of_the_reader() {
     let silent = read("").unwrap();
     let mut values = 0;
-    for (key, value) in keys_of_page() {
-        let Some(value) = value else { continue };
-        let mut found = match key.as_str() {
-            "loads" => read(&format!("[monitor]\nloads = {value}")).unwrap(),
-            key => with(key, &value),
+    for row in keys() {
+        let value = row
+            .default
+            .strip_prefix('`')
+            .and_then(|x| x.strip_suffix('`'));
+        let Some(value) = value.filter(|value| !value.contains('`')) else {
+            continue;
         };
-        if key.starts_with("bridges") {
-            found.bridges = None;
-            found.plausible.speed_stuck_after = 0;
+        let path = path_of(&row);
+        let mut found = match path.as_str() {
+            "loads" => read(&format!("[monitor]\nloads = {value}")).unwrap(),
+            path => with(path, value),
+        };
+        if path.starts_with("bridges") {
+            found.1.bridges = None;
+            found.0.plausibility.speed_stuck_after = 0;
         }
-        assert_eq!(found, silent, "{key} = {value}");
+        assert_eq!(found, silent, "{path} = {value}");
         values += 1;
     }
-    assert_eq!(values, 2 + 5 + 7 + 15 * 3 + 1 + 7 + 5 + 1 + 6 + 3);
+    assert_eq!(values, 2 + 5 + 7 + 7 + 5 + 1 + 6 + 3);
     // Of a pair.
-    assert_eq!(silent.telemetry.balls_us, 200_000);
+    assert_eq!(silent.0.telemetry.balls_us, 200_000);
 }
 
-fn assert_near(found: f64, truth: f64, by: f64, key: &str) {
+fn assert_near(found: f64, truth: f64, key: &str) {
     let off = (found - truth).abs();
     assert!(
-        found == truth || off <= by * truth.abs(),
+        found == truth || off <= 6e-8 * truth.abs(),
         "{key}: {found}, not {truth}"
     );
 }
 
 /// A key, its text, what it sets, and the value in SI units.
-type Said = (&'static str, &'static str, fn(&MonitorFile) -> f64, f64);
+type Said = (
+    &'static str,
+    &'static str,
+    fn(&Settings, &Sensors) -> f64,
+    f64,
+);
 
 const RAD: f64 = PI / 30.0;
 
 #[rustfmt::skip]
-const KEYS: [Said; 64] = [
-    ("period_ms", "2", |m| m.period_us.into(), 2000.0),
-    ("loads", "\"bridges\"", |m| m.plausible.speed_stuck_after.into(), 10_000.0),
-    ("idle.fx_n", "420", |m| m.idle[0], 420.0),
-    ("idle.fy_n", "-1", |m| m.idle[1], -1.0),
-    ("idle.fz_n", "2", |m| m.idle[2], 2.0),
-    ("idle.my_nm", "3", |m| m.idle[3], 3.0),
-    ("idle.mz_nm", "4", |m| m.idle[4], 4.0),
-    ("plausible.fx_n", "[-100, 900]", |m| m.plausible.load[0][1], 900.0),
-    ("plausible.fx_n", "[-100, 900]", |m| m.plausible.load[0][0], -100.0),
-    ("plausible.fx_n", "[-100, 900]", |m| m.plausible.load_rate[0], 2e5),
-    ("plausible.fx_n", "[-1000, 900]", |m| m.overload[0], 1000.0),
-    ("plausible.fx_n", "[-1000, 900]", |m| m.accuracy[0], 10.0),
-    ("plausible.fy_n", "[-1, 2]", |m| m.plausible.load[1][1], 2.0),
-    ("plausible.fz_n", "[-1, 3]", |m| m.plausible.load[2][1], 3.0),
-    ("plausible.my_nm", "[-1, 4]", |m| m.plausible.load[3][1], 4.0),
-    ("plausible.mz_nm", "[-1, 5]", |m| m.plausible.load[4][1], 5.0),
-    ("plausible.fx_n_per_ms", "1", |m| m.plausible.load_rate[0], 1e3),
-    ("plausible.fy_n_per_ms", "2", |m| m.plausible.load_rate[1], 2e3),
-    ("plausible.fz_n_per_ms", "3", |m| m.plausible.load_rate[2], 3e3),
-    ("plausible.my_nm_per_ms", "4", |m| m.plausible.load_rate[3], 4e3),
-    ("plausible.mz_nm_per_ms", "5", |m| m.plausible.load_rate[4], 5e3),
-    ("plausible.stuck_after", "7", |m| m.plausible.stuck_after.into(), 7.0),
-    ("plausible.missing_ms", "70", |m| m.plausible.missing_after_us.into(), 7e4),
-    ("plausible.fresh_ms", "30", |m| m.plausible.fresh_us.into(), 3e4),
-    ("plausible.residual_counts", "12", |m| m.plausible.residual, 12.0),
-    ("plausible.speed_rpm", "20000", |m| m.plausible.speed, 2e4 * RAD),
-    ("plausible.speed_rpm_per_ms", "100", |m| m.plausible.speed_rate, 1e5 * RAD),
-    ("plausible.deceleration_rpm_per_s", "9000", |m| m.plausible.deceleration, 9e3 * RAD),
-    ("plausible.speed_stuck_after", "60", |m| m.plausible.speed_stuck_after.into(), 60.0),
-    ("plausible.speed_difference_rpm", "60", |m| m.plausible.speed_difference[0], 60.0 * RAD),
-    ("plausible.speed_difference_percent", "3", |m| m.plausible.speed_difference[1], 0.03),
-    ("overload.fx_n", "11", |m| m.overload[0], 11.0),
-    ("overload.fy_n", "12", |m| m.overload[1], 12.0),
-    ("overload.fz_n", "13", |m| m.overload[2], 13.0),
-    ("overload.my_nm", "14", |m| m.overload[3], 14.0),
-    ("overload.mz_nm", "15", |m| m.overload[4], 15.0),
-    ("accuracy.fx_n", "0", |m| m.accuracy[0], 0.0),
-    ("accuracy.fy_n", "2", |m| m.accuracy[1], 2.0),
-    ("accuracy.fz_n", "3", |m| m.accuracy[2], 3.0),
-    ("accuracy.my_nm", "4", |m| m.accuracy[3], 4.0),
-    ("accuracy.mz_nm", "5", |m| m.accuracy[4], 5.0),
-    ("temperatures.range_c", "[0, 90]", |m| m.temperatures.range[1], 90.0),
-    ("temperatures.difference_k", "30", |m| m.temperatures.difference, 30.0),
-    ("temperatures.rate_k_per_s", "0.5", |m| m.temperatures.rate, 0.5),
-    ("temperatures.noise_k", "0.2", |m| m.temperatures.noise, 0.2),
-    ("temperatures.missing_ms", "3000", |m| m.temperatures.missing_after_us.into(), 3e6),
-    ("temperatures.hold_ms", "90000", |m| m.temperatures.hold_us.into(), 9e7),
-    ("temperatures.warm_c", "[50, 30]", |m| m.temperatures.warm[0] - m.temperatures.warm[1], 20.0),
-    ("tachometer.pulses_per_revolution", "60", |m| m.tachometer.pulses_per_revolution.into(), 60.0),
-    ("tachometer.count_above_rpm", "6000", |m| m.tachometer.count_above, 6e3 * RAD),
-    ("tachometer.period_below_rpm", "900", |m| m.tachometer.period_below, 900.0 * RAD),
-    ("tachometer.gate_ms", "4", |m| m.tachometer.gate_us.into(), 4e3),
-    ("tachometer.standstill_ms", "800", |m| m.tachometer.standstill_us.into(), 8e5),
-    ("bridges.tare_samples", "200", |m| m.tare_samples.into(), 200.0),
-    ("cut.fx_n", "-90", |m| m.cut.0[0], -90.0),
-    ("cut.fy_n", "270", |m| m.cut.0[1], 270.0),
-    ("cut.fz_n", "135", |m| m.cut.0[2], 135.0),
-    ("cut.my_nm", "6", |m| m.cut.0[3], 6.0),
-    ("cut.mz_nm", "-13", |m| m.cut.0[4], -13.0),
-    ("cut.speed_rpm", "12000", |m| m.cut.1, 12e3 * RAD),
-    ("telemetry.estimate_ms", "10", |m| m.telemetry.estimate_us.into(), 1e4),
-    ("telemetry.balls_ms", "100", |m| m.telemetry.balls_us.into(), 1e5),
-    ("telemetry.health_ms", "2000", |m| m.telemetry.health_us.into(), 2e6),
-    ("telemetry.standing_ms", "1.001", |m| m.telemetry.standing_us.into(), 1001.0),
+const KEYS: [Said; 41] = [
+    ("period_ms", "2", |m, _| m.tick.period_us.into(), 2000.0),
+    ("loads", "\"bridges\"", |m, _| m.plausibility.speed_stuck_after.into(), 10_000.0),
+    ("plausible.fx_n", "[-100, 900]", |m, _| m.plausibility.load[0][1].into(), 900.0),
+    ("plausible.fx_n", "[-100, 900]", |m, _| m.plausibility.load[0][0].into(), -100.0),
+    ("plausible.fx_n", "[-100, 900]", |m, _| m.plausibility.load_rate[0].into(), 2e5),
+    ("plausible.fx_n", "[-1000, 900]", |m, _| m.overload[0].into(), 1000.0),
+    ("plausible.fx_n", "[-1000, 900]", |m, _| m.accuracy[0].into(), 10.0),
+    ("plausible.fy_n", "[-1, 2]", |m, _| m.plausibility.load[1][1].into(), 2.0),
+    ("plausible.fz_n", "[-1, 3]", |m, _| m.plausibility.load[2][1].into(), 3.0),
+    ("plausible.my_nm", "[-1, 4]", |m, _| m.plausibility.load[3][1].into(), 4.0),
+    ("plausible.mz_nm", "[-1, 5]", |m, _| m.plausibility.load[4][1].into(), 5.0),
+    ("plausible.stuck_after", "7", |m, _| m.plausibility.stuck_after.into(), 7.0),
+    ("plausible.missing_ms", "70", |m, _| m.plausibility.missing_after_us.into(), 7e4),
+    ("plausible.fresh_ms", "30", |m, _| m.plausibility.fresh_us.into(), 3e4),
+    ("plausible.residual_counts", "12", |m, _| m.plausibility.residual.unwrap_or(0.0).into(), 12.0),
+    ("plausible.speed_rpm", "20000", |m, _| m.plausibility.speed.into(), 2e4 * RAD),
+    ("plausible.speed_rpm_per_ms", "100", |m, _| m.plausibility.speed_rate.into(), 1e5 * RAD),
+    ("plausible.deceleration_rpm_per_s", "9000", |m, _| m.plausibility.deceleration.into(), 9e3 * RAD),
+    ("plausible.speed_stuck_after", "60", |m, _| m.plausibility.speed_stuck_after.into(), 60.0),
+    ("plausible.speed_difference_rpm", "60", |m, _| m.plausibility.speed_difference[0].into(), 60.0 * RAD),
+    ("plausible.speed_difference_percent", "3", |m, _| m.plausibility.speed_difference[1].into(), 0.03),
+    ("temperatures.range_c", "[0, 90]", |m, _| m.temperatures.map_or(0.0, |t| t.range[1].into()), 90.0),
+    ("temperatures.difference_k", "30", |m, _| m.temperatures.map_or(0.0, |t| t.difference.into()), 30.0),
+    ("temperatures.rate_k_per_s", "0.5", |m, _| m.temperatures.map_or(0.0, |t| t.rate.into()), 0.5),
+    ("temperatures.noise_k", "0.2", |m, _| m.temperatures.map_or(0.0, |t| t.noise.into()), 0.2),
+    ("temperatures.missing_ms", "3000", |m, _| m.temperatures.map_or(0.0, |t| t.missing_after_us.into()), 3e6),
+    ("temperatures.hold_ms", "90000", |m, _| m.temperatures.map_or(0.0, |t| t.hold_us.into()), 9e7),
+    ("temperatures.warm_c", "[50, 30]", |m, _| m.temperatures.map_or(0.0, |t| (t.warm[0] - t.warm[1]).into()), 20.0),
+    ("tachometer.pulses_per_revolution", "60", |_, s| s.tachometer.pulses_per_revolution.into(), 60.0),
+    ("tachometer.count_above_rpm", "6000", |_, s| s.tachometer.count_above.into(), 6e3 * RAD),
+    ("tachometer.period_below_rpm", "900", |_, s| s.tachometer.period_below.into(), 900.0 * RAD),
+    ("tachometer.gate_ms", "4", |_, s| s.tachometer.gate_us.into(), 4e3),
+    ("tachometer.standstill_ms", "800", |_, s| s.tachometer.standstill_us.into(), 8e5),
+    ("bridges.counts", "[[500, 0, 0, 0, 0], [0, 500, 0, 0, 0], [0, 0, 500, 0, 0], [0, 0, 0, 2e4, 0], [0, 0, 0, 1, 2e4]]",
+        |_, s| s.bridges.as_ref().map_or(0.0, |of| of.counts[4][3]), 1.0),
+    ("bridges.tare_samples", "200", |_, s| s.tare_samples.into(), 200.0),
+    ("cut.speed_rpm", "12000", |_, s| s.cut_speed.into(), 12e3 * RAD),
+    ("telemetry.estimate_ms", "10", |m, _| m.telemetry.estimate_us.into(), 1e4),
+    ("telemetry.balls_ms", "100", |m, _| m.telemetry.balls_us.into(), 1e5),
+    ("telemetry.health_ms", "2000", |m, _| m.telemetry.health_us.into(), 2e6),
+    ("telemetry.standing_ms", "1.001", |m, _| m.telemetry.standing_us.into(), 1001.0),
+    ("telemetry.standing_ms", "1.0016", |m, _| m.telemetry.standing_us.into(), 1002.0),
+];
+
+/// Keys of five loads each, what they set, and its size in the unit of the file.
+type OfLoads = (
+    &'static str,
+    &'static str,
+    fn(&Settings, &Sensors) -> [f32; 5],
+    f64,
+);
+
+const OF_LOADS: [OfLoads; 5] = [
+    ("idle.", "", |_, s| s.idle, 1.0),
+    (
+        "plausible.",
+        "_per_ms",
+        |m, _| m.plausibility.load_rate,
+        1e3,
+    ),
+    ("overload.", "", |m, _| m.overload, 1.0),
+    ("accuracy.", "", |m, _| m.accuracy, 1.0),
+    ("cut.", "", |_, s| s.cut, 1.0),
 ];
 
 /// Units of alarms in a file; the others are 1.
@@ -236,161 +266,79 @@ const UNITS: [(Alarm, f64); 8] = [
 
 #[test]
 fn every_key_sets_its_value_in_si_units() {
-    let mut keys = keys_of_reader();
+    let mut left: BTreeSet<String> = keys().iter().map(path_of).collect();
+    let (silent, quiet) = read("").unwrap();
     for (key, text, value, truth) in KEYS {
-        assert_near(value(&with(key, text)), truth, 1e-14, key);
-        assert_ne!(value(&read("").unwrap()), truth, "{key}");
-        keys.remove(key);
+        let (settings, sensors) = with(key, text);
+        assert_near(value(&settings, &sensors), truth, key);
+        assert_ne!(value(&silent, &quiet), truth, "{key}");
+        left.remove(key);
     }
-    for (i, alarm) in Alarm::ALL.into_iter().enumerate() {
-        let unit = UNITS
-            .iter()
-            .find(|(of, _)| *of == alarm)
-            .map_or(1.0, |(_, unit)| *unit);
-        let name = alarm.name();
-        let table = "limit = 12\nclear = 11.5\nhold_ms = 77\nat_once = 90";
-        let found = read(&format!("[monitor.alarm.{name}]\n{table}"))
-            .unwrap()
-            .alarms[i];
-        assert_eq!((found.name, found.hold_us), (name, 77_000));
-        assert_near(found.limit, 12.0 * unit, 1e-14, name);
-        assert_near(found.clear, 11.5 * unit, 1e-14, name);
-        assert_near(found.at_once, 90.0 * unit, 1e-14, name);
-        let grows = matches!(alarm, Alarm::Sensor | Alarm::Temperature);
-        let worse = if grows { f64::INFINITY } else { 3.0 * unit };
-        assert_near(found.worse, worse, 1e-14, name);
-        for key in ["limit", "clear", "hold_ms", "at_once"] {
-            keys.remove(&format!("alarm.{name}.{key}"));
+    for (before, behind, loads, size) in OF_LOADS {
+        for (i, load) in ["fx_n", "fy_n", "fz_n", "my_nm", "mz_nm"]
+            .into_iter()
+            .enumerate()
+        {
+            let (key, said) = (format!("{before}{load}{behind}"), 3 + i);
+            let (settings, sensors) = with(&key, &said.to_string());
+            let mut truth = loads(&silent, &quiet);
+            truth[i] = (size * said as f64) as f32;
+            assert_eq!(loads(&settings, &sensors), truth, "{key}");
+            left.remove(&key);
         }
     }
-    let bridges = with("bridges.counts", COUNTS.split_once(" = ").unwrap().1)
-        .bridges
-        .unwrap();
-    assert_eq!(
-        (bridges.counts[5], bridges.counts[3][3]),
-        ([300.0, 300.0, 300.0, 0.0, 0.0], 2e4)
-    );
-    // The loads that counts stand for give back each load.
+    assert!(left.is_empty(), "without a test: {left:?}");
+    for (i, alarm) in Alarm::ALL.into_iter().enumerate() {
+        let unit = UNITS.iter().find(|(of, _)| *of == alarm);
+        let unit = unit.map_or(1.0, |(_, unit)| *unit);
+        let table = "limit = 12\nclear = 11.5\nhold_ms = 77\nat_once = 90";
+        let text = format!("[monitor.alarm.{alarm}]\n{table}");
+        let found = read(&text).unwrap().0.alarms[i];
+        let name = alarm.name();
+        assert_eq!(found.hold_us, 77_000, "{name}");
+        assert_near(found.raise.into(), 12.0 * unit, name);
+        assert_near(found.clear.into(), 11.5 * unit, name);
+        assert_near(found.at_once.unwrap().into(), 90.0 * unit, name);
+        // A time without a measurement grows by itself.
+        match found.worse {
+            None => assert!(matches!(alarm, Alarm::Sensor | Alarm::Temperature)),
+            Some(worse) => assert_near(worse.into(), 3.0 * unit, name),
+        }
+    }
+}
+
+/// The loads that counts stand for give back each load.
+#[test]
+fn loads_by_counts_give_back_each_load() {
+    let (_, counts) = COUNTS.split_once(" = ").unwrap();
+    let bridges = with("bridges.counts", counts).1.bridges.unwrap();
     for i in 0..5 {
         for j in 0..5 {
             let pairs = bridges.loads.iter().zip(&bridges.counts);
             let product: f64 = pairs.map(|(loads, counts)| loads[i] * counts[j]).sum();
-            let unit = bridges
-                .counts
-                .iter()
-                .map(|of| of[j].abs())
-                .fold(0.0, f64::max)
-                / 500.0;
+            let largest = bridges.counts.iter().map(|of| of[j].abs());
+            let unit = largest.fold(0.0, f64::max) / 500.0;
             let truth = f64::from(u8::from(i == j));
             assert!((product - truth).abs() < 1e-13 * unit, "{i} {j}: {product}");
         }
     }
-    keys.remove("bridges.counts");
-    assert!(keys.is_empty(), "without a test: {keys:?}");
 }
 
 /// Levels that are not said go with the limit.
 #[test]
 fn a_limit_takes_the_other_levels_along() {
-    let alarm = |i: usize, text: &str| {
-        let monitor = read(&format!("[monitor.alarm]\n{text}")).unwrap();
-        let levels = monitor.alarms[i];
-        [levels.limit, levels.clear, levels.at_once]
+    let alarm = |alarm: Alarm, text: &str| {
+        let (settings, _) = read(&format!("[monitor.alarm]\n{text}")).unwrap();
+        settings.alarms[alarm as usize]
     };
-    let pressure = alarm(0, "peak-pressure.limit = 1.6");
-    for (found, truth) in pressure.into_iter().zip([1.6e9, 1.52e9, 2.0e9]) {
-        assert_near(found, truth, 1e-14, "peak-pressure");
+    let pressure = alarm(Alarm::PeakPressure, "peak-pressure.limit = 1.6");
+    let levels = [pressure.raise, pressure.clear, pressure.at_once.unwrap()];
+    for (found, truth) in levels.into_iter().zip([1.6e9, 1.52e9, 2.0e9]) {
+        assert_near(found.into(), truth, "peak-pressure");
     }
-    let [limit, clear, _] = alarm(1, "contact-angle.limit = -1");
-    assert_near(limit, -PI / 180.0, 1e-14, "contact-angle");
-    assert_near(clear, -3.0 * PI / 180.0, 1e-14, "contact-angle");
-}
-
-/// The monitor's settings to start from: the file rounds angles and speeds in its units.
-#[test]
-fn defaults_are_the_settings_of_the_monitor() {
-    let monitor = read("").unwrap();
-    let start = MonitorSettings::<2>::new(&B7005C, 16);
-    for (alarm, found) in Alarm::ALL.into_iter().zip(monitor.alarms) {
-        let truth = start.alarms.of(alarm);
-        assert_eq!((found.name, found.hold_us), (alarm.name(), truth.hold_us));
-        for (found, truth) in [
-            (found.limit, truth.raise),
-            (found.clear, truth.clear),
-            (found.at_once, truth.at_once),
-            (found.worse, truth.worse),
-        ] {
-            assert_near(found, truth.into(), 3e-3, alarm.name());
-        }
-    }
-    let (t, truth) = (monitor.temperatures, TemperatureSettings::SPINDLE);
-    assert_eq!(
-        (t.range, t.warm),
-        (truth.range.map(f64::from), truth.warm.map(f64::from))
-    );
-    let times = [t.missing_after_us, t.hold_us];
-    assert_eq!(times, [truth.missing_after_us, truth.hold_us]);
-    let found = [t.difference, t.rate, t.noise];
-    assert_eq!(
-        found,
-        [truth.difference, truth.rate, truth.noise].map(f64::from)
-    );
-    let (t, truth) = (monitor.telemetry, start.telemetry);
-    let times = [t.estimate_us, t.balls_us, t.health_us, t.standing_us];
-    assert_eq!(
-        times,
-        [
-            truth.estimate_us,
-            truth.balls_us,
-            truth.health_us,
-            truth.standing_us
-        ]
-    );
-    let (p, truth) = (&monitor.plausible, &start.plausibility);
-    let [times, truths] = [
-        [
-            p.missing_after_us,
-            p.fresh_us,
-            p.stuck_after,
-            p.speed_stuck_after,
-        ],
-        [
-            truth.missing_after_us,
-            truth.fresh_us,
-            truth.stuck_after.into(),
-            truth.speed_stuck_after.into(),
-        ],
-    ];
-    assert_eq!(times, truths);
-    for (found, truth, by) in [
-        (p.speed, truth.speed, 1e-6),
-        (p.speed_rate, truth.speed_rate, 1e-3),
-        (p.deceleration, truth.deceleration, 0.05),
-        (p.speed_difference[0], truth.speed_difference[0], 1e-3),
-        (p.speed_difference[1], truth.speed_difference[1], 1e-3),
-        (p.residual, truth.residual, 0.0),
-    ] {
-        assert_near(found, truth.into(), by, "plausible");
-    }
-    // 6 % of two rows of C = 14.50 kN, and a cutter's moment on an arm of 1.4 pitch diameters.
-    let force = 0.06 * 2.0 * 14.50e3;
-    let moment = 1.4 * 0.036 * force;
-    for (i, most) in [force, force, force, moment, moment]
-        .into_iter()
-        .enumerate()
-    {
-        let [low, high] = truth.load[i];
-        let (overload, rate) = (start.watch.overload[i], truth.load_rate[i]);
-        assert_near(high.into(), most, 1e-3, "range");
-        assert_eq!((low, overload), (-high, high));
-        for (found, truth) in [
-            (p.load[i][1], high),
-            (p.load_rate[i], rate),
-            (monitor.overload[i], overload),
-        ] {
-            assert_near(found, truth.into(), 1e-6, "load");
-        }
-    }
+    let angle = alarm(Alarm::ContactAngle, "contact-angle.limit = -1");
+    assert_near(angle.raise.into(), -PI / 180.0, "contact-angle");
+    assert_near(angle.clear.into(), -3.0 * PI / 180.0, "contact-angle");
 }
 
 /// Formulas of the defaults, on bearings with ratings of their own and in closed form.
@@ -398,29 +346,21 @@ fn defaults_are_the_settings_of_the_monitor() {
 fn ranges_follow_from_ratings_and_pitch_diameters() {
     let pair = PAIR.replace("b7005c.toml", "gmn:S6014C");
     let listed = SpindleFile::parse("s.toml", &pair, Path::new(SHIPPED)).unwrap();
-    let design = &listed.plan.rows[0].design;
+    let pitch = listed.plan.rows[0].design.pitch_diameter;
     let alone = SpindleFile::read("gmn:S6014C").unwrap();
-    let force = alone.monitor.plausible.load[0][1];
-    assert_near(
-        listed.monitor.plausible.load[1][1],
-        2.0 * force,
-        1e-14,
-        "two rows",
-    );
-    let moment = alone.monitor.plausible.load[4][1];
-    assert_near(moment, 1.4 * design.pitch_diameter * force, 1e-14, "moment");
-    let rotation = alone.monitor.plausible.speed / RAD;
-    assert_near(rotation * 1e3 * design.pitch_diameter, 1.8e6, 1e-14, "n dm");
+    let [listed, alone] = [listed, alone].map(|file| file.settings(&Core::STM32F405));
+    let [of_pair, of_one] =
+        [&listed, &alone].map(|of| of.plausibility.load.map(|[_, high]| f64::from(high)));
+    assert_near(of_pair[1], 2.0 * of_one[0], "two rows");
+    assert_near(of_one[4], 1.4 * pitch * of_one[0], "moment");
+    let rotation = f64::from(alone.plausibility.speed) / RAD;
+    assert_near(rotation * 1e3 * pitch, 1.8e6, "n dm");
     let rated = PAIR.replacen("bearing = \"b7005c.toml\"", "design.name = \"r\"\ndesign.balls = 16\ndesign.ball_diameter_mm = 6.35\n\
         design.pitch_diameter_mm = 36\ndesign.inner_groove_factor = 0.515\ndesign.outer_groove_factor = 0.525\n\
         design.contact_angle_deg = 15\ndesign.dynamic_load_rating_n = 10000", 2);
     let rated = SpindleFile::parse("s.toml", &rated, Path::new(SHIPPED)).unwrap();
-    assert_near(
-        rated.monitor.plausible.load[2][0],
-        -1200.0,
-        1e-14,
-        "6 % of 2 C",
-    );
+    let [low, _] = rated.settings(&Core::STM32F405).plausibility.load[2];
+    assert_near(low.into(), -1200.0, "6 % of 2 C");
 }
 
 /// Text, the place of its fault counted from the end of the spindle, and words of the message.

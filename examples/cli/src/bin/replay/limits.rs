@@ -5,10 +5,11 @@ use anyhow::{Context, Result, anyhow, ensure};
 use cli::replay::{ReplayError, Summary, Table};
 use cli::stream::per_tick::PerTick;
 use cli::stream::{ROOM, TEMPERATURES};
-use spindle_file::monitors::{self, AlarmLevels};
+use spindle_file::monitors::level;
 use spindle_file::mounting::{MOST_JOINTS, Parts, board};
 use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS};
 use spindle_file::spindles::SpindleFile;
+use spindle_monitor::alarms::Threshold;
 use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
@@ -35,7 +36,7 @@ fn monitor_of<const P: usize>(file: &SpindleFile, core: Core) -> Result<Box<DynM
     let explained = |error: BuildError| file.explain(&error);
     let parts: &'static Parts<f32> = Box::leak(Box::new(Parts::of(&plan).map_err(explained)?));
     let spindle = parts.spindle(&plan).map_err(explained)?;
-    let settings = Box::leak(Box::new(board::settings(file, &core)));
+    let settings = Box::leak(Box::new(file.settings(&core)));
     let probes = Box::leak(Box::new(probes_of(file)?));
     Ok(Box::new(Monitor::with_probes(
         Box::leak(Box::new(spindle)),
@@ -85,13 +86,14 @@ fn ratios(file: &SpindleFile, report: &ProbesReport) -> Vec<String> {
 
 fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
     let mut monitor = monitor_of::<P>(file, args.board)?;
-    let of = &file.monitor;
-    let prepared = monitor.prepare(of.idle.map(|x| x as f32));
+    let settings = file.settings(&args.board);
+    let period_us = settings.tick.period_us;
+    let prepared = monitor.prepare(file.sensors.idle);
     prepared.map_err(|status| anyhow!("the idling spindle has no equilibrium: {status}"))?;
     let (rows, recording) = args.input(file)?;
     let recording = recording.context("--limits needs a recording")?;
     let name = || recording.lock().expect("a reader").file().to_owned();
-    let mut ticks = PerTick::new(rows, of.period_us);
+    let mut ticks = PerTick::new(rows, period_us);
     let (mut source, mut frames) = (FramedLoads::new(), FrameReader::new());
     let (mut told, mut fault) = (Vec::<String>::new(), None);
     let mut commission = args.response.commission.map(|[_, to]| to);
@@ -103,7 +105,7 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
     while let Some(tick) = ticks.next() {
         let tick = tick.map_err(|error| anyhow!("{}: {error}", name()))?;
         let number = tick.record.sequence;
-        let time_us = u64::from(number) * u64::from(of.period_us);
+        let time_us = u64::from(number) * u64::from(period_us);
         source.take(Ok(tick.record));
         let is_turn = (number as usize).is_multiple_of(TEMPERATURES);
         let readings = Readings {
@@ -147,17 +149,17 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
         for change in &outcome.changes {
             let alarm = change.alarm;
             monitor.acknowledge(time_us, alarm);
-            let level = monitor.judgement().alarm(alarm).level().value;
-            let AlarmLevels { limit, clear, .. } = of.alarms[alarm as usize];
+            let value = monitor.judgement().alarm(alarm).level().value;
+            let Threshold { raise, clear, .. } = settings.alarms[alarm as usize];
             let (event, limit) = match change.change {
-                AlarmChange::Raised if standing.insert(alarm) => ("raised", limit),
-                AlarmChange::Raised => ("worse", limit),
+                AlarmChange::Raised if standing.insert(alarm) => ("raised", raise),
+                AlarmChange::Raised => ("worse", raise),
                 _ => {
                     standing.remove(alarm);
                     ("cleared", clear)
                 }
             };
-            let [value, limit] = [f64::from(level), limit].map(|x| monitors::level(alarm, x));
+            let [value, limit] = [value, limit].map(|x| level(alarm, x.into()));
             let (unit, _) = alarm.unit();
             let time = at(time_us);
             writeln!(out, "{time},{alarm},{event},{value},{limit},{unit}").map_err(output)?;

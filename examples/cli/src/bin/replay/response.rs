@@ -14,6 +14,7 @@ use spindle_file::solvers::{AnySolver, Choices};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::Alarm;
 use spindle_monitor::response::{Fault, LEAST_STEPS, Response, fault, is_aliased};
+use spindle_monitor::tick::Core;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -229,9 +230,9 @@ impl<'h, const P: usize> History<'h, P> {
 
     fn new_response(&self) -> Response<P> {
         let accuracies = std::array::from_fn(|i| self.file.probes[i].accuracy as f32);
-        let alarms = &self.file.monitor.alarms;
-        let limits = [Alarm::StiffnessLoss, Alarm::StiffnessGain]
-            .map(|alarm| alarms[alarm as usize].limit as f32);
+        let alarms = self.file.settings(&Core::STM32F405).alarms;
+        let limits =
+            [Alarm::StiffnessLoss, Alarm::StiffnessGain].map(|alarm| alarms[alarm as usize].raise);
         Response::new(accuracies, (1.0 / self.step) as f32, limits)
     }
 
