@@ -7,13 +7,13 @@ use crate::tick::{Core, CycleCost};
 impl CycleCost {
     /// Cortex-M4F, rows on an elastic shaft: modelled.
     pub const CORTEX_M4F: Self = Self {
-        tick: 17_000,
+        tick: 19_200,
         ball_row: 2_950,
         step: 4_000,
         ball_step: 500,
         rows_step: 350,
-        open: 10_200,
-        ball_look: 880,
+        open: 2_000,
+        ball_look: 1_075,
         ball_report: 1_170,
         probe: 2_500,
     };
