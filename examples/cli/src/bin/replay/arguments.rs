@@ -1,6 +1,6 @@
 //! Arguments of `cargo replay`.
 
-use crate::{formats::FORMATS, limits, response};
+use crate::formats::FORMATS;
 use anyhow::{Context, Result, bail, ensure};
 use clap::{ArgMatches, Parser};
 use cli::arguments::by_name;
@@ -76,7 +76,7 @@ pub struct Args {
     pub limits: bool,
 
     /// Board that the monitor runs on
-    #[arg(long, value_parser = by_name(limits::BOARDS), default_value = "f405", requires = "limits")]
+    #[arg(long, value_parser = by_name(BOARDS), default_value = "f405", requires = "limits")]
     pub board: Core,
 
     /// Records before a pause of the logger, a step of time ten times as long as the usual one, in the summary
@@ -150,7 +150,7 @@ pub struct Args {
     pub frequencies: Option<PathBuf>,
 
     #[command(flatten)]
-    pub response: response::Options,
+    pub response: Probes,
 
     #[command(flatten)]
     pub recording: Recording,
@@ -176,6 +176,33 @@ const LIMITS_ALONE: [&str; 17] = [
     "nose",
     "frequencies",
 ];
+
+/// Measured and computed displacement
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Probes")]
+pub struct Probes {
+    /// In the place of the results: write the shaft's measured compliance over the computed one to this CSV file
+    ///
+    /// The recording has a column probe_NAME_um for each probe of the spindle. A line for each probe and second:
+    /// time_s,probe,ratio,ratio_error,steps,state. The ratio is that of the reference at commissioning divided out.
+    /// States are learning, ok, stiffness-loss, stiffness-gain and probe: the probe does not follow the loads.
+    #[arg(long, value_name = "FILE.csv", group = "with_probes", conflicts_with_all = ["table", "summary", "balls", "rows", "nose", "frequencies",
+        "given", "select"])]
+    pub response: Option<PathBuf>,
+
+    /// Reference of --response, from and to this time, s; without it, the first 20 engagements are the reference
+    ///
+    /// With --limits, the board is given the order at the second time, and takes its ratios until then; without it, it has no reference.
+    #[arg(long, value_name = "FROM:TO", requires = "with_probes", value_parser = window, allow_hyphen_values = true)]
+    pub commission: Option<[f64; 2]>,
+}
+
+fn window(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text.split_once(':');
+    let numbers = numbers.and_then(|(from, to)| Some([from.parse().ok()?, to.parse().ok()?]));
+    let ordered = numbers.filter(|[from, to]: &[f64; 2]| from < to && to.is_finite());
+    ordered.ok_or_else(|| "give seconds FROM:TO, such as 0:10".to_owned())
+}
 
 /// How the recording is read
 #[derive(Debug, clap::Args)]
@@ -238,6 +265,12 @@ impl clap::Args for Given {
         Self::augment_args(command)
     }
 }
+
+/// Boards by name.
+const BOARDS: [(&str, &str, Core); 2] = [
+    ("f405", "STM32F405", Core::STM32F405),
+    ("h743", "STM32H743", Core::STM32H743),
+];
 
 const PRECISIONS: [(&str, &str, Precision); 2] = [
     (

@@ -21,12 +21,6 @@ use spindle_monitor::{Alarm, Marks, Monitor, Order, ProbeSettings, Readings, Res
 use std::array::from_fn;
 use std::io::{self, Write};
 
-/// Boards by name.
-pub const BOARDS: [(&str, &str, Core); 2] = [
-    ("f405", "STM32F405", Core::STM32F405),
-    ("h743", "STM32H743", Core::STM32H743),
-];
-
 /// A monitor of any spindle with `P` probes.
 type DynMonitor<const P: usize> = Monitor<MOST_ROWS, MOST_BALLS, 12, 6, MOST_JOINTS, P>;
 

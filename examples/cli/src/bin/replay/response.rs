@@ -16,7 +16,7 @@ use spindle_monitor::Alarm;
 use spindle_monitor::response::{Fault, LEAST_STEPS, Response, fault, is_aliased};
 use spindle_monitor::tick::Core;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Rows that are solved one after the other, from a cold start on.
 const BLOCK: usize = 500;
@@ -24,33 +24,6 @@ const BLOCK: usize = 500;
 const AHEAD: usize = 32;
 /// Load steps of the reference where `--commission` does not say it: 20 engagements.
 const REFERENCE: u32 = 40;
-
-/// Measured and computed displacement
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Probes")]
-pub struct Options {
-    /// In the place of the results: write the shaft's measured compliance over the computed one to this CSV file
-    ///
-    /// The recording has a column probe_NAME_um for each probe of the spindle. A line for each probe and second:
-    /// time_s,probe,ratio,ratio_error,steps,state. The ratio is that of the reference at commissioning divided out.
-    /// States are learning, ok, stiffness-loss, stiffness-gain and probe: the probe does not follow the loads.
-    #[arg(long, value_name = "FILE.csv", group = "with_probes", conflicts_with_all = ["table", "summary", "balls", "rows", "nose", "frequencies",
-        "given", "select"])]
-    pub response: Option<PathBuf>,
-
-    /// Reference of --response, from and to this time, s; without it, the first 20 engagements are the reference
-    ///
-    /// With --limits, the board is given the order at the second time, and takes its ratios until then; without it, it has no reference.
-    #[arg(long, value_name = "FROM:TO", requires = "with_probes", value_parser = window, allow_hyphen_values = true)]
-    pub commission: Option<[f64; 2]>,
-}
-
-fn window(text: &str) -> Result<[f64; 2], String> {
-    let numbers = text.split_once(':');
-    let numbers = numbers.and_then(|(from, to)| Some([from.parse().ok()?, to.parse().ok()?]));
-    let ordered = numbers.filter(|[from, to]: &[f64; 2]| from < to && to.is_finite());
-    ordered.ok_or_else(|| "give seconds FROM:TO, such as 0:10".to_owned())
-}
 
 /// A row of the recording: its loads and, once it is solved, the displacements computed at the probes, um.
 struct Record {
