@@ -11,17 +11,6 @@ use core::f64::consts::PI;
 use core::fmt;
 use spindle_bearing::{Design, Expansion, Growth, LifeRating, Limits, Settings};
 
-macro_rules! demand {
-    ($condition:expr, $field:literal, $must:literal) => {
-        if !$condition {
-            return Err(SettingsError {
-                field: $field,
-                must: $must,
-            });
-        }
-    };
-}
-
 /// How often telemetry goes out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -177,39 +166,31 @@ impl<const P: usize> ResponseSettings<P> {
     ///
     /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
-        demand!(P <= MOST_PROBES, "probes", "four at most");
+        let (mut positions, mut directions, mut accuracies, mut faults) = (true, true, true, true);
         let mut i = 0;
         while i < P {
             let probe = &self.probes[i];
-            demand!(
-                probe.position.is_finite(),
-                "probes.position",
-                "a number of metres"
-            );
             let [x, y, z] = probe.direction;
             let square = x * x + y * y + z * z;
-            demand!(
-                square > 0.999 && square < 1.001,
-                "probes.direction",
-                "a unit vector"
-            );
-            demand!(
-                positive(probe.accuracy),
-                "probes.accuracy",
-                "positive and finite"
-            );
+            positions &= probe.position.is_finite();
+            directions &= square > 0.999 && square < 1.001;
+            accuracies &= positive(probe.accuracy);
             i += 1;
         }
         let mut i = 0;
         while i < self.faults.len() {
-            let mut probe = 0;
-            while probe < P {
-                demand!(self.faults[i].1[probe].is_finite(), "faults", "numbers");
-                probe += 1;
-            }
+            faults &= all_finite(&self.faults[i].1);
             i += 1;
         }
-        Ok(())
+        #[rustfmt::skip]
+        let demands = [
+            (P <= MOST_PROBES, "probes", "four at most"),
+            (positions, "probes.position", "a number of metres"),
+            (directions, "probes.direction", "a unit vector"),
+            (accuracies, "probes.accuracy", "positive"),
+            (faults, "faults", "numbers"),
+        ];
+        first_broken(&demands)
     }
 }
 
@@ -245,8 +226,35 @@ const fn amount(x: f32) -> bool {
     x >= 0.0 && x.is_finite()
 }
 
+/// Low, then high, both of them numbers.
+const fn is_range([low, high]: [f32; 2]) -> bool {
+    low < high && low.is_finite() && high.is_finite()
+}
+
+const fn all_finite(all: &[f32]) -> bool {
+    let (mut are, mut i) = (true, 0);
+    while i < all.len() {
+        are &= all[i].is_finite();
+        i += 1;
+    }
+    are
+}
+
 const fn is_finite(growth: &Growth<f32>) -> bool {
-    growth.axial.is_finite() && growth.radial.is_finite() && growth.ball.is_finite()
+    all_finite(&[growth.axial, growth.radial, growth.ball])
+}
+
+/// The first demand that does not hold: its field, and its condition.
+const fn first_broken(demands: &[(bool, &'static str, &'static str)]) -> Result<(), SettingsError> {
+    let mut i = 0;
+    while i < demands.len() {
+        let (holds, field, must) = demands[i];
+        if !holds {
+            return Err(SettingsError { field, must });
+        }
+        i += 1;
+    }
+    Ok(())
 }
 
 /// Largest plausible forces `Fx, Fy, Fz` (N) and moments `My, Mz` (N m) of a spindle, by the sum of its rows' basic dynamic load
@@ -379,170 +387,77 @@ impl<const R: usize> MonitorSettings<R> {
     ///
     /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
-        let t = &self.tick;
-        let mut i = 0;
+        let (mut ratings, mut growths, mut i) = (true, true, 0);
         while i < R {
-            let row = &self.rows[i];
-            let rating = &row.rating;
-            demand!(
-                positive(rating.inner),
-                "rows.rating.inner",
-                "positive and finite"
-            );
-            demand!(
-                positive(rating.outer),
-                "rows.rating.outer",
-                "positive and finite"
-            );
-            demand!(
-                is_finite(&row.growth)
-                    && is_finite(&row.heat[0])
-                    && is_finite(&row.heat[1])
-                    && is_finite(&row.rotation),
-                "rows.growth, rows.heat, rows.rotation",
-                "numbers"
-            );
+            let RowSettings {
+                rating,
+                growth,
+                heat: [inner, outer],
+                rotation,
+            } = &self.rows[i];
+            ratings &= positive(rating.inner) && positive(rating.outer);
+            growths &=
+                is_finite(growth) && is_finite(inner) && is_finite(outer) && is_finite(rotation);
             i += 1;
         }
-        let shaft = &self.shaft;
-        demand!(
-            shaft.loads_at.is_finite() && shaft.nose.is_finite(),
-            "shaft",
-            "positions that are numbers"
-        );
-        let mut i = 0;
+        let (shaft, p, t, s) = (&self.shaft, &self.plausibility, &self.tick, &self.telemetry);
+        let (mut flexibility, mut loads, mut rates) = (true, true, true);
+        let (mut accuracy, mut overload, mut i) = (true, true, 0);
         while i < 5 {
-            demand!(
-                amount(shaft.flexibility[i]),
-                "shaft.flexibility",
-                "numbers, not below 0"
-            );
+            flexibility &= amount(shaft.flexibility[i]);
+            loads &= is_range(p.load[i]);
+            rates &= positive(p.load_rate[i]);
+            accuracy &= amount(self.accuracy[i]);
+            overload &= positive(self.overload[i]);
             i += 1;
         }
-        if let Some(temperatures) = &self.temperatures {
-            let [low, high] = temperatures.range;
-            demand!(
-                low < high && low.is_finite() && high.is_finite(),
-                "temperatures.range",
-                "numbers: low, then high"
-            );
-            let reference = temperatures.reference;
-            demand!(
-                reference >= low && reference <= high,
-                "temperatures.reference",
-                "within the range"
-            );
-            let [inner, outer] = temperatures.warm;
-            demand!(
-                inner >= low && inner <= high && outer >= low && outer <= high,
-                "temperatures.warm",
-                "within the range"
-            );
-            demand!(
-                positive(temperatures.rate) && positive(temperatures.difference),
-                "temperatures.rate, temperatures.difference",
-                "positive"
-            );
-            demand!(
-                amount(temperatures.noise),
-                "temperatures.noise",
-                "a number, not below 0"
-            );
-            demand!(
-                temperatures.hold_us >= temperatures.missing_after_us,
-                "temperatures.hold_us",
-                "at least missing_after_us"
-            );
-        }
-        demand!(
-            t.period_us >= 1000 && t.period_us <= 10_000,
-            "tick.period_us",
-            "from 1,000 to 10,000"
-        );
-        demand!(
-            t.deadline_cycles > t.cost.tick,
-            "tick.deadline_cycles",
-            "more than a tick without a solve takes"
-        );
-        demand!(
-            self.tolerance >= f32::EPSILON && self.tolerance <= 1e-2,
-            "tolerance",
-            "from the precision to 1e-2"
-        );
-        let p = &self.plausibility;
-        let mut i = 0;
-        while i < 5 {
-            let [low, high] = p.load[i];
-            demand!(
-                low < high && low.is_finite() && high.is_finite(),
-                "plausibility.load",
-                "numbers: low, then high"
-            );
-            demand!(
-                positive(p.load_rate[i]),
-                "plausibility.load_rate",
-                "positive"
-            );
-            demand!(amount(self.accuracy[i]), "accuracy", "numbers, not below 0");
-            demand!(positive(self.overload[i]), "overload", "positive");
-            i += 1;
-        }
-        demand!(
-            p.stuck_after != 1,
-            "plausibility.stuck_after",
-            "0 or at least 2"
-        );
-        demand!(
-            p.missing_after_us >= t.period_us,
-            "plausibility.missing_after_us",
-            "at least a tick"
-        );
-        demand!(
-            p.fresh_us >= t.period_us,
-            "plausibility.fresh_us",
-            "at least a tick"
-        );
-        demand!(
-            match p.residual {
-                Some(residual) => positive(residual),
-                None => true,
-            },
-            "plausibility.residual",
-            "positive"
-        );
-        demand!(positive(p.speed), "plausibility.speed", "positive");
-        demand!(
-            positive(p.speed_rate),
-            "plausibility.speed_rate",
-            "positive"
-        );
-        demand!(
-            positive(p.deceleration),
-            "plausibility.deceleration",
-            "positive"
-        );
-        let [absolute, relative] = p.speed_difference;
-        demand!(
-            amount(absolute) && amount(relative) && absolute + relative > 0.0,
-            "plausibility.speed_difference",
-            "numbers, not below 0, and not both 0"
-        );
-        let mut i = 0;
+        let (mut alarms, mut i) = (true, 0);
         while i < Alarm::COUNT {
-            demand!(
-                self.alarms[i].is_sound(),
-                "alarms",
-                "numbers, each to clear below that to raise, at_once not below, worse positive"
-            );
+            alarms &= self.alarms[i].is_sound();
             i += 1;
         }
-        let s = &self.telemetry;
-        demand!(
-            s.estimate_us > 0 && s.balls_us > 0 && s.health_us > 0 && s.standing_us > 0,
-            "telemetry",
-            "intervals of at least 1 us"
-        );
-        Ok(())
+        let heat = match self.temperatures {
+            Some(temperatures) => temperatures,
+            None => TemperatureSettings::SPINDLE,
+        };
+        let [inner, outer] = heat.warm;
+        let [absolute, relative] = p.speed_difference;
+        let residual = match p.residual {
+            Some(residual) => positive(residual),
+            None => true,
+        };
+        let intervals = s.estimate_us > 0 && s.balls_us > 0 && s.health_us > 0 && s.standing_us > 0;
+        #[rustfmt::skip]
+        let demands = [
+            (ratings, "rows.rating", "positive"),
+            (growths, "rows.growth, rows.heat, rows.rotation", "numbers"),
+            (all_finite(&[shaft.loads_at, shaft.nose]), "shaft", "positions that are numbers"),
+            (flexibility, "shaft.flexibility", "numbers, not below 0"),
+            (is_range(heat.range), "temperatures.range", "numbers: low, then high"),
+            (heat.has(heat.reference), "temperatures.reference", "within the range"),
+            (heat.has(inner) && heat.has(outer), "temperatures.warm", "within the range"),
+            (positive(heat.rate) && positive(heat.difference), "temperatures.rate, temperatures.difference", "positive"),
+            (amount(heat.noise), "temperatures.noise", "a number, not below 0"),
+            (heat.hold_us >= heat.missing_after_us, "temperatures.hold_us", "at least missing_after_us"),
+            (t.period_us >= 1000 && t.period_us <= 10_000, "tick.period_us", "from 1,000 to 10,000"),
+            (t.deadline_cycles > t.cost.tick, "tick.deadline_cycles", "more than a tick without a solve takes"),
+            (self.tolerance >= f32::EPSILON && self.tolerance <= 1e-2, "tolerance", "from the precision to 1e-2"),
+            (accuracy, "accuracy", "numbers, not below 0"),
+            (loads, "plausibility.load", "numbers: low, then high"),
+            (rates, "plausibility.load_rate", "positive"),
+            (p.stuck_after != 1, "plausibility.stuck_after", "0 or at least 2"),
+            (p.missing_after_us >= t.period_us, "plausibility.missing_after_us", "at least a tick"),
+            (p.fresh_us >= t.period_us, "plausibility.fresh_us", "at least a tick"),
+            (residual, "plausibility.residual", "positive"),
+            (positive(p.speed), "plausibility.speed", "positive"),
+            (positive(p.speed_rate), "plausibility.speed_rate", "positive"),
+            (positive(p.deceleration), "plausibility.deceleration", "positive"),
+            (amount(absolute) && amount(relative) && absolute + relative > 0.0, "plausibility.speed_difference", "numbers, not below 0, and not both 0"),
+            (overload, "overload", "positive"),
+            (alarms, "alarms", "numbers, each to clear below that to raise, at_once not below, worse positive"),
+            (intervals, "telemetry", "intervals of at least 1 us"),
+        ];
+        first_broken(&demands)
     }
 }
 
@@ -588,10 +503,7 @@ mod tests {
                 |s| s.alarms[Alarm::Deadline as usize].clear = 99.0,
                 "alarms",
             ),
-            (
-                |s| s.rows[0].rating.outer = f32::INFINITY,
-                "rows.rating.outer",
-            ),
+            (|s| s.rows[0].rating.outer = f32::INFINITY, "rows.rating"),
             (|s| s.telemetry.health_us = 0, "telemetry"),
             (|s| s.accuracy[4] = f32::NAN, "accuracy"),
             (

@@ -55,6 +55,12 @@ impl TemperatureSettings {
         hold_us: 60_000_000,
         warm: [40.0, 35.0],
     };
+
+    /// Whether a temperature is in the range.
+    pub const fn has(&self, temperature: f32) -> bool {
+        let [low, high] = self.range;
+        low <= temperature && temperature <= high
+    }
 }
 
 /// Where a side's temperature comes from.
@@ -207,9 +213,7 @@ impl Side {
     }
 
     fn take(&mut self, time_us: u64, value: f32, settings: &TemperatureSettings) {
-        let [low, high] = settings.range;
-        // Neither is true of what is no number.
-        if !(value >= low && value <= high) {
+        if !settings.has(value) {
             return;
         }
         match self.good {

@@ -129,34 +129,16 @@ const SHORT_TIME: Bounds = [1e-3, 4e6];
 const COUNT: Bounds = [0.0, 65_535.0];
 const SOME: Bounds = [1.0, 65_535.0];
 
-/// A key of `[monitor]`; `{load}` in its path stands for each of five loads, which the function counts.
-struct Key {
-    path: &'static str,
-    unit: Unit,
-    bounds: Bounds,
-    target: for<'m> fn(&'m mut Settings, &'m mut Sensors, usize) -> Target<'m>,
-    /// The default in words where it follows from the spindle; else it is a value of the settings.
-    default: &'static str,
-    meaning: &'static str,
-}
-
-const fn key(
-    path: &'static str,
-    unit: Unit,
-    bounds: Bounds,
-    target: for<'m> fn(&'m mut Settings, &'m mut Sensors, usize) -> Target<'m>,
-    default: &'static str,
-    meaning: &'static str,
-) -> Key {
-    Key {
-        path,
-        unit,
-        bounds,
-        target,
-        default,
-        meaning,
-    }
-}
+/// A key of `[monitor]`: path, unit, bounds, where it goes, default, meaning. `{load}` in the path stands for each of five loads, which
+/// the function counts. The default is in words where it follows from the spindle; else it is a value of the settings.
+struct Key(
+    &'static str,
+    Unit,
+    Bounds,
+    for<'m> fn(&'m mut Settings, &'m mut Sensors, usize) -> Target<'m>,
+    &'static str,
+    &'static str,
+);
 
 fn temperatures(settings: &mut Settings) -> &mut TemperatureSettings {
     let usual = TemperatureSettings::SPINDLE;
@@ -166,43 +148,43 @@ fn temperatures(settings: &mut Settings) -> &mut TemperatureSettings {
 /// In the order in which they count: rates and overload follow from ranges, and are set after them.
 #[rustfmt::skip]
 const KEYS: [Key; 37] = [
-    key("period_ms", MS, [1.0, 10.0], |m, _, _| Time(&mut m.tick.period_us), "", "period of a tick, 1 to 10"),
-    key("loads", PLAIN, ANY, |_, _, _| Target::Bridges, "`\"records\"`", "`\"records\"` come over the port; `\"bridges\"` are at the board, with a tachometer"),
-    key("idle.{load}", LOAD, ANY, |_, s, i| Number(&mut s.idle[i]), "", "{name}, within its plausible range"),
-    key("plausible.{load}", LOAD, [-1e12, 1e12], |m, _, i| Range(m, i), "± 6 % of the sum of the rows' `C`{arm}", "lowest and highest {name}"),
-    key("plausible.{load}_per_ms", LOAD_RATE, POSITIVE, |m, _, i| Number(&mut m.plausibility.load_rate[i]), "0.4 of half the range of `{load}`", "fastest change of the {name}"),
-    key("plausible.stuck_after", PLAIN, COUNT, |m, _, _| Count(&mut m.plausibility.stuck_after), "", "equal samples in a row that mean a stuck channel; 0 for never"),
-    key("plausible.missing_ms", MS, TIME, |m, _, _| Time(&mut m.plausibility.missing_after_us), "", "time without a sample after which loads are missing; a tick at least"),
-    key("plausible.fresh_ms", MS, TIME, |m, _, _| Time(&mut m.plausibility.fresh_us), "", "age beyond which an estimate is no longer fresh; a tick at least"),
-    key("plausible.residual_counts", ("counts", 1.0), POSITIVE, |m, _, _| Bound(&mut m.plausibility.residual), "any", "largest disagreement of more than five bridges"),
-    key("plausible.speed_rpm", SPEED, [1.0, 1e6], |m, _, _| Number(&mut m.plausibility.speed), "`n dm` = 1.8e6 mm/min, of the largest `dm`", "highest speed in either direction"),
-    key("plausible.speed_rpm_per_ms", ("rpm/ms", 1e3 * RPM), POSITIVE, |m, _, _| Number(&mut m.plausibility.speed_rate), "", "fastest change of speed, from tick to tick"),
-    key("plausible.deceleration_rpm_per_s", ("rpm/s", RPM), POSITIVE, |m, _, _| Number(&mut m.plausibility.deceleration), "", "greatest deceleration by the brake, and more; a faster stop is a lost signal"),
-    key("plausible.speed_stuck_after", PLAIN, COUNT, |m, _, _| Count(&mut m.plausibility.speed_stuck_after), "never with records, 10,000 with bridges", "equal speeds in a row, other than 0, that mean a stuck signal; 0 for never"),
-    key("plausible.speed_difference_rpm", SPEED, [0.0, 1e6], |m, _, _| Number(&mut m.plausibility.speed_difference[0]), "", "how much two sources of speed may differ"),
-    key("plausible.speed_difference_percent", ("%", 1e-2), [0.0, 100.0], |m, _, _| Number(&mut m.plausibility.speed_difference[1]), "", "besides, as a part of the speed"),
-    key("overload.{load}", LOAD, POSITIVE, |m, _, i| Number(&mut m.overload[i]), "the larger amount of its plausible range", "largest {name} that the spindle may carry"),
-    key("accuracy.{load}", LOAD, AMOUNT, |m, _, i| Number(&mut m.accuracy[i]), "1 % of the larger amount of its plausible range", "error of the {name}"),
-    key("temperatures.range_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).range), "", "lowest and highest"),
-    key("temperatures.difference_k", KELVIN, POSITIVE, |m, _, _| Number(&mut temperatures(m).difference), "", "how much both sides may differ"),
-    key("temperatures.rate_k_per_s", ("K/s", 1.0), POSITIVE, |m, _, _| Number(&mut temperatures(m).rate), "", "fastest change of a side"),
-    key("temperatures.noise_k", KELVIN, [0.0, 1e3], |m, _, _| Number(&mut temperatures(m).noise), "", "change that needs no time: steps and noise of the sensors"),
-    key("temperatures.missing_ms", MS, TIME, |m, _, _| Time(&mut temperatures(m).missing_after_us), "", "time without a good value after which a side is not measured any more"),
-    key("temperatures.hold_ms", MS, TIME, |m, _, _| Time(&mut temperatures(m).hold_us), "", "time for which the last good value is held; `missing_ms` at least"),
-    key("temperatures.warm_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).warm), "", "inner and outer side of the warm spindle, assumed after that"),
-    key("tachometer.pulses_per_revolution", PLAIN, SOME, |_, s, _| Count(&mut s.tachometer.pulses_per_revolution), "", "pulses of a revolution"),
-    key("tachometer.count_above_rpm", SPEED, POSITIVE, |_, s, _| Number(&mut s.tachometer.count_above), "", "above this speed, pulses are counted"),
-    key("tachometer.period_below_rpm", SPEED, POSITIVE, |_, s, _| Number(&mut s.tachometer.period_below), "", "below this speed, their period is taken; less than `count_above_rpm`"),
-    key("tachometer.gate_ms", MS, SHORT_TIME, |_, s, _| Time(&mut s.tachometer.gate_us), "", "time over which pulses are counted"),
-    key("tachometer.standstill_ms", MS, TIME, |_, s, _| Time(&mut s.tachometer.standstill_us), "", "time without a pulse that is a standstill"),
-    key("bridges.counts", ("counts per N, N m", 1.0), ANY, |_, _, _| Target::Bridges, "must be there", "a row of five for each of 5 to 8 bridges: counts by each load alone (`cargo calibrate`)"),
-    key("bridges.tare_samples", PLAIN, SOME, |_, s, _| Count(&mut s.tare_samples), "", "samples of a tare"),
-    key("cut.{load}", LOAD, ANY, |_, s, i| Number(&mut s.cut[i]), "", "{name}"),
-    key("cut.speed_rpm", SPEED, [-1e6, 1e6], |_, s, _| Number(&mut s.cut_speed), "", "speed"),
-    key("telemetry.estimate_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.estimate_us), "", "time between estimates"),
-    key("telemetry.balls_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.balls_us), "100 a row, 200 at least", "time between pictures of all balls"),
-    key("telemetry.health_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.health_us), "", "time between reports of health"),
-    key("telemetry.standing_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.standing_us), "", "time after which an alarm that stands is sent again"),
+    Key("period_ms", MS, [1.0, 10.0], |m, _, _| Time(&mut m.tick.period_us), "", "period of a tick, 1 to 10"),
+    Key("loads", PLAIN, ANY, |_, _, _| Target::Bridges, "`\"records\"`", "`\"records\"` come over the port; `\"bridges\"` are at the board, with a tachometer"),
+    Key("idle.{load}", LOAD, ANY, |_, s, i| Number(&mut s.idle[i]), "", "{name}, within its plausible range"),
+    Key("plausible.{load}", LOAD, [-1e12, 1e12], |m, _, i| Range(m, i), "± 6 % of the sum of the rows' `C`{arm}", "lowest and highest {name}"),
+    Key("plausible.{load}_per_ms", LOAD_RATE, POSITIVE, |m, _, i| Number(&mut m.plausibility.load_rate[i]), "0.4 of half the range of `{load}`", "fastest change of the {name}"),
+    Key("plausible.stuck_after", PLAIN, COUNT, |m, _, _| Count(&mut m.plausibility.stuck_after), "", "equal samples in a row that mean a stuck channel; 0 for never"),
+    Key("plausible.missing_ms", MS, TIME, |m, _, _| Time(&mut m.plausibility.missing_after_us), "", "time without a sample after which loads are missing; a tick at least"),
+    Key("plausible.fresh_ms", MS, TIME, |m, _, _| Time(&mut m.plausibility.fresh_us), "", "age beyond which an estimate is no longer fresh; a tick at least"),
+    Key("plausible.residual_counts", ("counts", 1.0), POSITIVE, |m, _, _| Bound(&mut m.plausibility.residual), "any", "largest disagreement of more than five bridges"),
+    Key("plausible.speed_rpm", SPEED, [1.0, 1e6], |m, _, _| Number(&mut m.plausibility.speed), "`n dm` = 1.8e6 mm/min, of the largest `dm`", "highest speed in either direction"),
+    Key("plausible.speed_rpm_per_ms", ("rpm/ms", 1e3 * RPM), POSITIVE, |m, _, _| Number(&mut m.plausibility.speed_rate), "", "fastest change of speed, from tick to tick"),
+    Key("plausible.deceleration_rpm_per_s", ("rpm/s", RPM), POSITIVE, |m, _, _| Number(&mut m.plausibility.deceleration), "", "greatest deceleration by the brake, and more; a faster stop is a lost signal"),
+    Key("plausible.speed_stuck_after", PLAIN, COUNT, |m, _, _| Count(&mut m.plausibility.speed_stuck_after), "never with records, 10,000 with bridges", "equal speeds in a row, other than 0, that mean a stuck signal; 0 for never"),
+    Key("plausible.speed_difference_rpm", SPEED, [0.0, 1e6], |m, _, _| Number(&mut m.plausibility.speed_difference[0]), "", "how much two sources of speed may differ"),
+    Key("plausible.speed_difference_percent", ("%", 1e-2), [0.0, 100.0], |m, _, _| Number(&mut m.plausibility.speed_difference[1]), "", "besides, as a part of the speed"),
+    Key("overload.{load}", LOAD, POSITIVE, |m, _, i| Number(&mut m.overload[i]), "the larger amount of its plausible range", "largest {name} that the spindle may carry"),
+    Key("accuracy.{load}", LOAD, AMOUNT, |m, _, i| Number(&mut m.accuracy[i]), "1 % of the larger amount of its plausible range", "error of the {name}"),
+    Key("temperatures.range_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).range), "", "lowest and highest"),
+    Key("temperatures.difference_k", KELVIN, POSITIVE, |m, _, _| Number(&mut temperatures(m).difference), "", "how much both sides may differ"),
+    Key("temperatures.rate_k_per_s", ("K/s", 1.0), POSITIVE, |m, _, _| Number(&mut temperatures(m).rate), "", "fastest change of a side"),
+    Key("temperatures.noise_k", KELVIN, [0.0, 1e3], |m, _, _| Number(&mut temperatures(m).noise), "", "change that needs no time: steps and noise of the sensors"),
+    Key("temperatures.missing_ms", MS, TIME, |m, _, _| Time(&mut temperatures(m).missing_after_us), "", "time without a good value after which a side is not measured any more"),
+    Key("temperatures.hold_ms", MS, TIME, |m, _, _| Time(&mut temperatures(m).hold_us), "", "time for which the last good value is held; `missing_ms` at least"),
+    Key("temperatures.warm_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).warm), "", "inner and outer side of the warm spindle, assumed after that"),
+    Key("tachometer.pulses_per_revolution", PLAIN, SOME, |_, s, _| Count(&mut s.tachometer.pulses_per_revolution), "", "pulses of a revolution"),
+    Key("tachometer.count_above_rpm", SPEED, POSITIVE, |_, s, _| Number(&mut s.tachometer.count_above), "", "above this speed, pulses are counted"),
+    Key("tachometer.period_below_rpm", SPEED, POSITIVE, |_, s, _| Number(&mut s.tachometer.period_below), "", "below this speed, their period is taken; less than `count_above_rpm`"),
+    Key("tachometer.gate_ms", MS, SHORT_TIME, |_, s, _| Time(&mut s.tachometer.gate_us), "", "time over which pulses are counted"),
+    Key("tachometer.standstill_ms", MS, TIME, |_, s, _| Time(&mut s.tachometer.standstill_us), "", "time without a pulse that is a standstill"),
+    Key("bridges.counts", ("counts per N, N m", 1.0), ANY, |_, _, _| Target::Bridges, "must be there", "a row of five for each of 5 to 8 bridges: counts by each load alone (`cargo calibrate`)"),
+    Key("bridges.tare_samples", PLAIN, SOME, |_, s, _| Count(&mut s.tare_samples), "", "samples of a tare"),
+    Key("cut.{load}", LOAD, ANY, |_, s, i| Number(&mut s.cut[i]), "", "{name}"),
+    Key("cut.speed_rpm", SPEED, [-1e6, 1e6], |_, s, _| Number(&mut s.cut_speed), "", "speed"),
+    Key("telemetry.estimate_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.estimate_us), "", "time between estimates"),
+    Key("telemetry.balls_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.balls_us), "100 a row, 200 at least", "time between pictures of all balls"),
+    Key("telemetry.health_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.health_us), "", "time between reports of health"),
+    Key("telemetry.standing_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.standing_us), "", "time after which an alarm that stands is sent again"),
 ];
 
 /// Keys of the five loads, their names, their units, and what a cutter's force makes moments by.
@@ -225,7 +207,7 @@ const LOADS: [(&str, &str, &str, &str); 5] = [
 ];
 
 /// Keys of each alarm, `alarm.NAME.KEY`, with their meanings.
-const OF_ALARM: [(&str, &str); 4] = [
+pub const OF_ALARM: [(&str, &str); 4] = [
     ("limit", "level at which the condition begins"),
     ("clear", "level at which it ends, below `limit`"),
     ("hold_ms", "time of the condition that must add up"),
@@ -262,7 +244,7 @@ const CONTRADICTIONS: [Contradiction; 8] = [
         "`speed_stuck_after` must be 0, for never, or at least 2"),
     (|m, _| m.plausibility.speed_difference != [0.0; 2], ["plausible.speed_difference_rpm", "plausible.speed_difference_percent"],
         "`speed_difference_rpm` and `speed_difference_percent` must not both be 0"),
-    (|m, _| m.temperatures.is_none_or(|t| t.warm.into_iter().all(|side| has(&t, side))), ["temperatures.warm_c", "temperatures.range_c"],
+    (|m, _| m.temperatures.is_none_or(|t| t.warm.into_iter().all(|side| t.has(side))), ["temperatures.warm_c", "temperatures.range_c"],
         "`warm_c` must be within `range_c`"),
     (|m, _| m.temperatures.is_none_or(|t| t.hold_us >= t.missing_after_us), ["temperatures.hold_ms", "temperatures.missing_ms"],
         "`hold_ms` must be `missing_ms` at least"),
@@ -270,15 +252,10 @@ const CONTRADICTIONS: [Contradiction; 8] = [
         "`period_below_rpm` must be below `count_above_rpm`"),
 ];
 
-fn has(temperatures: &TemperatureSettings, side: f32) -> bool {
-    let [low, high] = temperatures.range;
-    low <= side && side <= high
-}
-
 impl Key {
     /// Loads that it stands for; one that is none where it is about no load.
     fn loads(&self) -> impl Iterator<Item = usize> {
-        0..if self.path.contains("{load}") { 5 } else { 1 }
+        0..if self.0.contains("{load}") { 5 } else { 1 }
     }
 
     /// Text about it for this load.
@@ -297,13 +274,13 @@ impl Key {
         (settings, sensors): (&mut Settings, &mut Sensors),
         load: usize,
     ) -> Result<(), DesignFileError> {
-        let path = self.text(self.path, load);
+        let Self(path, (_, size), bounds, target, ..) = self;
+        let path = self.text(path, load);
         let Some(value) = said.value(&path) else {
             return Ok(());
         };
-        let (_, size) = self.unit;
-        let number = |is_whole| said.bounded(&path, value, self.bounds, is_whole);
-        match (self.target)(settings, sensors, load) {
+        let number = |is_whole| said.bounded(&path, value, *bounds, is_whole);
+        match target(settings, sensors, load) {
             Number(of) => *of = (number(false)? * size) as f32,
             Bound(of) => *of = Some((number(false)? * size) as f32),
             Time(of) => *of = (number(false)? * size).round() as u32,
@@ -315,22 +292,27 @@ impl Key {
         Ok(())
     }
 
-    /// Its default as pages have it: in words, or a value in code.
-    fn default(&self, load: usize) -> String {
-        if !self.default.is_empty() {
-            return self.text(self.default, load);
-        }
+    /// Its row of the page.
+    fn row(&self, load: usize) -> KeyRow {
+        let Self(path, (unit, size), _, target, default, meaning) = self;
         let (mut settings, mut sensors) = (Settings::of(no_rows(), &[]), Sensors::USUAL);
-        let (_, size) = self.unit;
-        let value = |x: f64| short(x / size).to_string();
-        let text = match (self.target)(&mut settings, &mut sensors, load) {
+        let value = |x: f64| format!("`{}`", short(x / size));
+        let default = match target(&mut settings, &mut sensors, load) {
+            _ if !default.is_empty() => self.text(default, load),
             Number(of) => value((*of).into()),
             Time(of) => value((*of).into()),
             Count(of) => value((*of).into()),
-            Pair([low, high]) => format!("[{low}, {high}]"),
+            Pair(of) => format!("`{of:?}`").replace(".0", ""),
             Bound(_) | Range(..) | Target::Bridges => String::new(),
         };
-        format!("`{text}`")
+        let path = self.text(path, load);
+        let (table, name) = path.rsplit_once('.').unwrap_or(("", &path));
+        KeyRow {
+            path: (table.to_owned(), name.to_owned()),
+            unit: self.text(unit, load),
+            default,
+            meaning: self.text(meaning, load),
+        }
     }
 }
 
@@ -365,28 +347,13 @@ pub struct KeyRow {
 
 /// Every key but those of alarms, in the order of the reader.
 pub fn keys() -> Vec<KeyRow> {
-    let row = |key: &Key, load| {
-        let path = key.text(key.path, load);
-        let (table, name) = path.rsplit_once('.').unwrap_or(("", &path));
-        KeyRow {
-            path: (table.to_owned(), name.to_owned()),
-            unit: key.text(key.unit.0, load),
-            default: key.default(load),
-            meaning: key.text(key.meaning, load),
-        }
-    };
-    let of_key = |key: &'static Key| key.loads().map(move |load| row(key, load));
+    let of_key = |key: &'static Key| key.loads().map(|load| key.row(load));
     KEYS.iter().flat_map(of_key).collect()
-}
-
-/// Keys of any alarm with their meanings.
-pub const fn alarm_keys() -> [(&'static str, &'static str); 4] {
-    OF_ALARM
 }
 
 /// Paths of all keys.
 fn paths() -> Vec<String> {
-    let of_key = |key: &'static Key| key.loads().map(|load| key.text(key.path, load));
+    let of_key = |key: &'static Key| key.loads().map(|load| key.text(key.0, load));
     let of_alarm = |alarm: Alarm| OF_ALARM.map(|(key, _)| format!("alarm.{alarm}.{key}"));
     let all = KEYS.iter().flat_map(of_key);
     all.chain(Alarm::ALL.into_iter().flat_map(of_alarm))
@@ -610,7 +577,7 @@ impl<'t, 'v> Said<'t, 'v> {
             (Some((reference, place)), _)
                 if settings
                     .temperatures
-                    .is_some_and(|t| !has(&t, reference as f32)) =>
+                    .is_some_and(|t| !t.has(reference as f32)) =>
             {
                 let message = "`reference_c` must be within `range_c` of [monitor.temperatures]";
                 Err(self.r.error(place, message))

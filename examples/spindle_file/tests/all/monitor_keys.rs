@@ -1,7 +1,7 @@
 //! Keys of `[monitor]`: their page, every key from text to number, refusals by line and column.
 
 use spindle_file::designs::SHIPPED;
-use spindle_file::monitors::{KeyRow, Sensors, alarm_keys, keys};
+use spindle_file::monitors::{KeyRow, OF_ALARM, Sensors, keys};
 use spindle_file::plan::MOST_ROWS;
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::tick::Core;
@@ -81,7 +81,7 @@ fn tables() -> Vec<(String, Vec<String>)> {
         table.1.push(line.replace("|  |", "| |"));
     }
     let mut alarms = vec!["| key | meaning |".to_owned(), "| --- | --- |".to_owned()];
-    alarms.extend(alarm_keys().map(|(key, meaning)| format!("| `{key}` | {meaning} |")));
+    alarms.extend(OF_ALARM.map(|(key, meaning)| format!("| `{key}` | {meaning} |")));
     let levels = [
         "| alarm | unit | `limit` | `clear` | `hold_ms` | `at_once` |".to_owned(),
         "| --- | --- | --- | --- | --- | --- |".to_owned(),
