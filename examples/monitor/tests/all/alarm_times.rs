@@ -8,25 +8,17 @@ use spindle_monitor::mock::rig::{IDLE, Rig, at_speed, settings};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings, TemperatureSource};
 
-/// Intervals at which levels of an alarm come, us: as often as ticks, samples, estimates, seconds and blocks of the probes.
+/// Intervals at which levels of an alarm come, us, by the time in which the next one is due.
 fn intervals(alarm: Alarm) -> &'static [u64] {
-    match alarm {
-        // A solve takes a tick, or four, or nine.
-        Alarm::PeakPressure
-        | Alarm::ContactAngle
-        | Alarm::Slip
-        | Alarm::UnloadedBalls
-        | Alarm::PreloadGrowth
-        | Alarm::PreloadLoss => &[1000, 4000, 9000],
-        // A sender may be slower than ticks.
-        Alarm::Overload => &[1000, 10_000, 40_000],
-        // A busy board leaves out ticks.
-        Alarm::LifeUsed | Alarm::Sensor | Alarm::Temperature | Alarm::Deadline => &[1000, 24_000],
-        Alarm::Availability => &[1_000_000],
-        // At 1200 rpm and more, at 60 rpm, at 30 rpm.
-        Alarm::StiffnessLoss | Alarm::StiffnessGain | Alarm::Probe => {
-            &[50_000, 1_000_000, 2_000_000]
-        }
+    match MONITOR.due_us(alarm) {
+        // Of estimates: a solve takes a tick, or four, or nine.
+        20_000 => &[1000, 4000, 9000],
+        // Of samples: a sender may be slower than ticks.
+        50_000 => &[1000, 10_000, 40_000],
+        // Of ticks, some of which a busy board leaves out, and of seconds.
+        1_000_000 => &[1000, 24_000, 1_000_000],
+        // Of blocks of the probes' readings, at 1200 rpm and more, at 60 rpm, at 30 rpm.
+        _ => &[50_000, 1_000_000, 2_000_000],
     }
 }
 
