@@ -7,9 +7,10 @@ use spindle_bearing::{Design, Preload, Support};
 use spindle_file::monitors::Sensors;
 use spindle_file::mounting::board;
 use spindle_file::plan::{Plan, Row};
+use spindle_file::probes::Probe;
 use spindle_file::spindles::SpindleFile;
+use spindle_monitor::MonitorSettings;
 use spindle_monitor::tick::Core;
-use spindle_monitor::{MonitorSettings, ProbeSettings};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -261,12 +262,7 @@ fn sensors(text: &mut String, file: &SpindleFile) -> Result<()> {
 }
 
 fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
-    let probes = file.probes.iter().map(|probe| ProbeSettings {
-        position: probe.position as f32,
-        direction: probe.direction.map(|e| e as f32),
-        accuracy: probe.accuracy as f32,
-    });
-    let probes: Vec<_> = probes.collect();
+    let probes: Vec<_> = file.probes.iter().map(Probe::settings).collect();
     let channels = file.probes.iter().map(|probe| probe.channel);
     let channels: Option<Vec<_>> = channels.collect();
     let channels = channels.filter(|channels| !channels.is_empty());

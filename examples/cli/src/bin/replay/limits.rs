@@ -17,7 +17,7 @@ use spindle_monitor::loads::{FramedLoads, LoadSource};
 use spindle_monitor::response::Fault;
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Marks, Monitor, Order, ProbeSettings, Readings, ResponseSettings};
+use spindle_monitor::{Alarm, Marks, Monitor, Order, Readings, ResponseSettings};
 use std::array::from_fn;
 use std::io::{self, Write};
 
@@ -46,11 +46,7 @@ fn probes_of<const P: usize>(file: &SpindleFile) -> Result<ResponseSettings<P>> 
         .map(|(fault, changes)| (fault, from_fn(|i| changes[i] as f32)))
         .collect();
     Ok(ResponseSettings {
-        probes: from_fn(|i| ProbeSettings {
-            position: file.probes[i].position as f32,
-            direction: file.probes[i].direction.map(|e| e as f32),
-            accuracy: file.probes[i].accuracy as f32,
-        }),
+        probes: from_fn(|i| file.probes[i].settings()),
         faults: faults.leak(),
     })
 }
