@@ -124,6 +124,7 @@ pub use solver::axial::{AxialSolution, AxialSolver};
 pub use solver::problem::{Given, Loading, OperatingPoint, Settings, ShaftLoad};
 pub use solver::solution::Solution;
 pub use spindle::arrangement::{Arrangement, Facing};
+pub use spindle::change::SpindleChange;
 pub use spindle::elastic::ElasticSpindle;
 pub use spindle::error::SpindleError;
 pub use spindle::sections::{Section, Shaft, ShaftError, Support};

@@ -214,19 +214,15 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     ) -> Matrix<T, D> {
         let bends = !joints.is_empty();
         let mut add_row = |number: usize, sum: &mut Sum<T, D>| {
-            let (Some(placed), Some(row)) = (layout.rows.get(number), self.rows.get(number)) else {
+            let Some(placed) = layout.rows.get(number) else {
                 return;
             };
-            let (bearing, mount) = (&placed.bearing, &placed.mount);
-            let mut own = Sum::<T, 5>::NONE;
-            if bends {
-                sum_up::<T, A, 5>(row.used(bearing), bearing.azimuths, &mut own);
-            }
-            if self.state.stale {
-                let v = self.motion::<SET>(layout, number);
-                own.add(&row.stiffness_change::<A, 5>(bearing, &v));
-            }
-            mount.assemble(&mut own, sum);
+            let mut own = if bends {
+                self.slopes::<A, SET>(layout, number)
+            } else {
+                self.slopes_change::<A, SET>(layout, number)
+            };
+            placed.mount.assemble(&mut own, sum);
         };
         let mut sum = Sum::NONE;
         if bends {
@@ -238,6 +234,36 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         }
         add_to(&mut sum.k, &self.state.sum.k);
         sum.k
+    }
+
+    /// Forces and slopes of a row in its own frame, about its groove plane, after the last step.
+    pub fn slopes<A: Rule, const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        row: usize,
+    ) -> Sum<T, 5> {
+        let mut own = Sum::NONE;
+        if let (Some(placed), Some(row)) = (layout.rows.get(row), self.rows.get(row)) {
+            let bearing = &placed.bearing;
+            sum_up::<T, A, 5>(row.used(bearing), bearing.azimuths, &mut own);
+        }
+        own.add(&self.slopes_change::<A, SET>(layout, row));
+        own
+    }
+
+    /// Change of a row's slopes by the last step.
+    fn slopes_change<A: Rule, const SET: bool>(
+        &self,
+        layout: &Layout<'_, T, R, SET, E>,
+        row: usize,
+    ) -> Sum<T, 5> {
+        match (layout.rows.get(row), self.rows.get(row)) {
+            (Some(placed), Some(of_row)) if self.state.stale => {
+                let v = self.motion::<SET>(layout, row);
+                of_row.stiffness_change::<A, 5>(&placed.bearing, &v)
+            }
+            _ => Sum::NONE,
+        }
     }
 
     /// Offset of a row's groove plane from its reference position.

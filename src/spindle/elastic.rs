@@ -590,6 +590,20 @@ impl<'b, T: Real, const R: usize, const N: usize, const D: usize, const E: usize
         (u, size)
     }
 
+    /// Deflection at the position `x` (m) by the forces of the rows alone, in the solver's units.
+    pub(super) fn deflection_by_rows(&self, x: T, deflections: &[Deflection<T, D>; E]) -> [T; 5] {
+        let (unit, deflections) = (
+            self.layout.rows[0].bearing.c,
+            self.layout.of_joints(deflections),
+        );
+        let mut u = [T::ZERO; 5];
+        for (position, force) in forces(self.layout.joints(), deflections) {
+            let part = deflection(&self.shaft, unit, x, position, &vector(|i| -force[i]));
+            u = vector(|i| u[i] + part[i]);
+        }
+        u
+    }
+
     /// Flexibility of a row's support, SI.
     pub(super) fn support_of(&self, row: usize) -> [T; 5] {
         let unit = self.layout.rows[0].bearing.c;

@@ -10,6 +10,7 @@
 
 pub mod arrangement;
 pub mod build;
+pub mod change;
 pub mod elastic;
 pub mod error;
 pub mod sections;

@@ -54,8 +54,8 @@ pub struct SpindleSolution<
     slide: T,
     /// Loads that have a position; none, where they act at `x = 0`.
     placed: &'s [ShaftLoad<T>],
-    spindle: &'s Spindle<'s, T, R, N, D, E>,
-    last: &'s WarmStart<T, R, N, D, E>,
+    pub(super) spindle: &'s Spindle<'s, T, R, N, D, E>,
+    pub(super) last: &'s WarmStart<T, R, N, D, E>,
     motion: PhantomData<M>,
 }
 
@@ -357,6 +357,26 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         vector(|i| {
             let all = sides[side(i)].at_least(common).at_least(T::TINY);
             axial[i] * (common / all)
+        })
+    }
+
+    /// Changes of the preloads by those of the forces.
+    pub(super) fn preload_changes(&self, forces: &[[T; 5]; R]) -> [T; R] {
+        let axial: [T; R] = self.solved_rows().map(|row| row.force[0]);
+        let side = |i: usize| usize::from(self.spindle.layout.rows[i].mount.facing < T::ZERO);
+        let (mut sides, mut changes) = ([T::ZERO; 2], [T::ZERO; 2]);
+        for i in 0..self.spindle.layout.count() {
+            sides[side(i)] += axial[i];
+            changes[side(i)] += forces[i][0];
+        }
+        let weaker = usize::from(sides[1] < sides[0]);
+        if !(sides[weaker] > T::ZERO) {
+            return [T::ZERO; R];
+        }
+        vector(|i| {
+            let (all, change) = (sides[side(i)], changes[side(i)]);
+            let part = sides[weaker] / all;
+            part * forces[i][0] + axial[i] * (changes[weaker] - part * change) / all
         })
     }
 

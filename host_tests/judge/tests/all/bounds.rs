@@ -12,22 +12,22 @@ use spindle_file::plan::{MOST_BALLS, MOST_ROWS};
 use std::array::from_fn;
 
 /// Balls of a row, and the number that its type has room for.
-const BALLS: usize = 16;
+pub(super) const BALLS: usize = 16;
 const SOLVES: usize = 250;
-const BY_ROWS: Arrangement = Arrangement::ByRows;
+pub(super) const BY_ROWS: Arrangement = Arrangement::ByRows;
 
 /// Rows that a test draws, and what is around them.
-struct Drawn<T> {
-    designs: Vec<Design>,
-    places: Vec<(T, Facing, Preload<T>)>,
-    sections: Vec<Section>,
-    supports: Vec<Support<T>>,
-    spring: Option<T>,
+pub(super) struct Drawn<T> {
+    pub(super) designs: Vec<Design>,
+    pub(super) places: Vec<(T, Facing, Preload<T>)>,
+    pub(super) sections: Vec<Section>,
+    pub(super) supports: Vec<Support<T>>,
+    pub(super) spring: Option<T>,
 }
 
 impl<T: Real> Drawn<T> {
     /// So many rows: the first half faces the other one, which slides under a spring if there is one.
-    fn of(rows: usize, is_sprung: bool, bends: bool, r: &mut Random) -> Self {
+    pub(super) fn of(rows: usize, is_sprung: bool, bends: bool, r: &mut Random) -> Self {
         let ahead = rows.div_ceil(2);
         let force = Preload::Force(T::of(r.log_between(50.0, 400.0)));
         let place = |i: usize, r: &mut Random| {
@@ -69,7 +69,10 @@ impl<T: Real> Drawn<T> {
         }
     }
 
-    fn mounted<'b, const N: usize>(&self, bearings: &'b [Bearing<T, N>]) -> Vec<Mounted<'b, T, N>> {
+    pub(super) fn mounted<'b, const N: usize>(
+        &self,
+        bearings: &'b [Bearing<T, N>],
+    ) -> Vec<Mounted<'b, T, N>> {
         let rows = self.places.iter().zip(bearings);
         rows.map(|((x, facing, held), bearing)| Mounted::new(bearing, *x, *facing).with(*held))
             .collect()

@@ -4,6 +4,7 @@ mod axial;
 mod balance;
 mod bounds;
 mod campaign;
+mod changes;
 mod compile_fail;
 mod constants;
 mod corpus;
