@@ -5,6 +5,7 @@ mod malformed;
 mod plot;
 mod replay;
 mod response;
+mod sensitivity;
 mod spindles;
 mod times;
 mod view;

@@ -34,7 +34,7 @@ pub struct Args {
     /// Recorded loads and speed; `-` reads standard input
     ///
     /// An example, a synthetic milling cycle, is examples/cli/records/milling_cycle.csv.
-    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list", "propose"])]
+    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list", "propose", "sensitivity"])]
     pub loads: Option<PathBuf>,
 
     /// Print the catalogue: bearings that can be named in the place of DESIGN.toml
@@ -74,6 +74,13 @@ pub struct Args {
     /// held where it is slower, the newest record of each tick where it is faster. Probes are read in the columns probe_NAME_um.
     #[arg(long, group = "with_probes", conflicts_with_all = LIMITS_ALONE)]
     pub limits: bool,
+
+    /// In the place of the results: what 1 um of a row's closure, 1 N of the spring and 1 K on either side do
+    ///
+    /// They change the preload of each row (N) and the displacement at each nose and probe (um), at the constant load, speed and
+    /// temperatures of the options, such as --fy 100 --speed 12000; without them, of the idling spindle, at rest and cold.
+    #[arg(long, conflicts_with_all = LIMITS_ALONE, conflicts_with_all = ["loads", "limits", "response", "import"])]
+    pub sensitivity: bool,
 
     /// Board that the monitor runs on
     #[arg(long, value_parser = by_name(BOARDS), default_value = "f405", requires = "limits")]
@@ -156,7 +163,7 @@ pub struct Args {
     pub recording: Recording,
 }
 
-/// Options without a meaning beside `--limits`, which is as the board solves.
+/// Options without a meaning beside `--limits`, which is as the board solves, and beside `--sensitivity`.
 const LIMITS_ALONE: [&str; 17] = [
     "table",
     "select",

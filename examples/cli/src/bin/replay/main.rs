@@ -7,6 +7,7 @@ mod input;
 mod limits;
 mod output;
 mod response;
+mod sensitivity;
 mod table;
 
 use anyhow::Result;
@@ -40,9 +41,10 @@ fn main() -> ExitCode {
             }
         };
     }
-    exit::status(match args.limits {
-        true => limits::run(&args),
-        false => run(&args),
+    exit::status(match (args.limits, args.sensitivity) {
+        (true, _) => limits::run(&args),
+        (_, true) => sensitivity::run(&args),
+        _ => run(&args),
     })
 }
 

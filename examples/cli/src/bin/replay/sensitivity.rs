@@ -1,0 +1,131 @@
+//! `cargo replay --sensitivity`: what a micrometre of spacer, a newton of spring and a kelvin do to a spindle.
+
+use crate::arguments::Args;
+use anyhow::{Result, anyhow};
+use cli::replay::{ReplayError, Summary, Table};
+use spindle_bearing::{Settings, Speed, SpindleChange};
+use spindle_file::loads::LoadRow;
+use spindle_file::mounting::{DynSolver, MOST_JOINTS, Parts, closed, growths};
+use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS};
+use spindle_file::reading::short;
+use spindle_file::spindles::SpindleFile;
+use std::io::{self, Write};
+
+type DynChange<'s> = SpindleChange<'s, f64, MOST_ROWS, MOST_BALLS, 6, MOST_JOINTS>;
+
+/// Of a temperature's difference, K: the changes are linear over it to a millionth.
+const STEP: f64 = 0.1;
+/// Figures up to this, N and um, are those of rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The load, speed and temperatures of the options; idling, at rest and cold without them.
+fn state(args: &Args, file: &SpindleFile) -> LoadRow {
+    let [_, loads @ .., speed, inner, outer] = args.recording.given.0;
+    let idle = file.sensors.idle;
+    let reference = file.heat.map(|heat| heat.reference);
+    let temperatures = reference.map(|cold| [inner.unwrap_or(cold), outer.unwrap_or(cold)]);
+    LoadRow {
+        time_s: 0.0,
+        load: std::array::from_fn(|i| loads[i].unwrap_or(idle[i].into())),
+        speed_rpm: speed.unwrap_or(0.0),
+        temperatures,
+        probes: [None; 4],
+    }
+}
+
+/// Writes the table to standard output.
+pub fn run(args: &Args) -> Result<Summary> {
+    let file = args.file()?;
+    args.wanted(file.heat.is_some())?;
+    let explained = |error: BuildError| file.explain(&error);
+    let plan = closed(&file.plan).map_err(explained)?;
+    let parts = Parts::<f64>::of(&plan).map_err(explained)?;
+    let spindle = parts.spindle(&plan).map_err(explained)?;
+    let row = state(args, &file);
+    let mut places: Vec<_> = file
+        .noses
+        .iter()
+        .map(|nose| (nose.name.as_str(), nose.end.position))
+        .collect();
+    places.extend(
+        file.probes
+            .iter()
+            .map(|probe| (probe.name.as_str(), probe.position)),
+    );
+    if places.is_empty() {
+        places.push(("origin", 0.0));
+    }
+    let from_loads = |x: f64| x - plan.loaded_at();
+
+    let mut solver = DynSolver::<f64>::new();
+    // Preload of each row, N, and displacement at each place, um.
+    let mut figures = |row: &LoadRow| {
+        let question = file.question(row);
+        let at = Speed::rad_per_s(question.omega).with_growth(growths(&question.growth));
+        let solved = solver.solve(&spindle, question.load, at, &Settings::DEFAULT);
+        let solution =
+            solved.map_err(|status| anyhow!("this load has no equilibrium: {status}"))?;
+        let preloads = solution.rows().map(|row| row.preload());
+        let places = places.iter().flat_map(|(_, x)| {
+            let [dx, dy, dz, ..] = solution.displacement_at(from_loads(*x));
+            [dx - question.middle_growth, dy, dz].map(|u| 1e6 * u)
+        });
+        let figures: Vec<f64> = preloads.chain(places).collect();
+        anyhow::Ok(figures)
+    };
+    let mut lines: Vec<(String, Vec<f64>)> = Vec::new();
+    let reached = figures(&row)?;
+    if let Some(temperatures) = row.temperatures {
+        for (side, name) in ["inner", "outer"].into_iter().enumerate() {
+            let [mut warmer, mut colder] = [temperatures; 2];
+            (warmer[side], colder[side]) = (warmer[side] + STEP, colder[side] - STEP);
+            let mut row = row;
+            row.temperatures = Some(warmer);
+            let high = figures(&row)?;
+            row.temperatures = Some(colder);
+            let low = figures(&row)?;
+            let pairs = high.into_iter().zip(low);
+            let changes = pairs.map(|(high, low)| (high - low) / (2.0 * STEP));
+            lines.push((format!("1 K at the {name} side"), changes.collect()));
+        }
+    }
+    let question = file.question(&row);
+    let at = Speed::rad_per_s(question.omega).with_growth(growths(&question.growth));
+    let mut solver = DynSolver::<f64>::new();
+    let solved = solver.solve(&spindle, question.load, at, &Settings::DEFAULT);
+    let solution = solved.map_err(|status| anyhow!("this load has no equilibrium: {status}"))?;
+    let changes = |change: &DynChange<'_>, size: f64| -> Vec<f64> {
+        let preloads = change.preloads().map(|preload| size * preload);
+        let places = places.iter().flat_map(|(_, x)| {
+            let [dx, dy, dz, ..] = change.displacement_at(from_loads(*x));
+            [dx, dy, dz].map(|u| 1e6 * size * u)
+        });
+        preloads.chain(places).collect()
+    };
+    for row in 0..plan.rows.len() {
+        let name = format!("1 um of closure of row {row}");
+        lines.push((name, changes(&solution.by_closure(row), 1e-6)));
+    }
+    if plan.spring.is_some() {
+        let name = "1 N of spring".to_owned();
+        lines.push((name, changes(&solution.by_spring(), 1.0)));
+    }
+    lines.push(("as it is".to_owned(), reached));
+    lines.rotate_right(1);
+
+    let preloads = (0..plan.rows.len()).map(|row| format!("preload_{row}_n"));
+    let of_place = |(name, _): &(&str, f64)| ["dx", "dy", "dz"].map(|u| format!("{name}_{u}_um"));
+    let columns: Vec<String> = preloads.chain(places.iter().flat_map(of_place)).collect();
+    let mut text = format!("change,{}\n", columns.join(","));
+    for (name, figures) in lines {
+        let figures = figures.into_iter().map(|x| match x.abs() > ROUNDING {
+            true => short(x).to_string(),
+            false => "0".to_owned(),
+        });
+        let figures: Vec<String> = figures.collect();
+        text += &format!("{name},{}\n", figures.join(","));
+    }
+    let written = io::stdout().write_all(text.as_bytes());
+    written.map_err(|error| ReplayError::Output(Table::Results, error))?;
+    Ok(Summary::default())
+}
