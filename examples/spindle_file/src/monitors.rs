@@ -422,13 +422,16 @@ impl<'t, 'v> Said<'t, 'v> {
         paths: &[String],
     ) -> Result<(), DesignFileError> {
         for (key, value) in table {
-            let path = format!("{above}{}", key.get_ref());
-            if paths.contains(&path) {
+            let (path, place) = (format!("{above}{}", key.get_ref()), |span| {
+                self.r.place(span)
+            });
+            // A dot in quotes is part of a name.
+            let is_name = !key.get_ref().contains('.');
+            if is_name && paths.contains(&path) {
                 continue;
             }
             let below = format!("{path}.");
-            let place = |span| self.r.place(span);
-            if !paths.iter().any(|known| known.starts_with(&below)) {
+            if !is_name || !paths.iter().any(|known| known.starts_with(&below)) {
                 let mut names: Vec<String> = Vec::new();
                 for known in paths.iter().filter_map(|known| known.strip_prefix(above)) {
                     let name = known.split('.').next().unwrap_or(known);

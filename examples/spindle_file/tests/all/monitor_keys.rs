@@ -365,7 +365,11 @@ fn ranges_follow_from_ratings_and_pitch_diameters() {
 
 /// Text, the place of its fault counted from the end of the spindle, and words of the message.
 #[rustfmt::skip]
-const WRONG: [(&str, usize, usize, &str); 32] = [
+const WRONG: [(&str, usize, usize, &str); 36] = [
+    ("[monitor]\nplausible = 3", 2, 13, "`plausible` is a table of keys"),
+    ("[monitor]\n\"plausible.fx_n\" = [1, 2]", 2, 1, "unknown field `plausible.fx_n`"),
+    ("[monitor]\nalarm.slip.limits = 3", 2, 12, "unknown field `limits`, expected one of `limit`, `clear`, `hold_ms`, `at_once`"),
+    ("[monitor]\nplausible.stuck_after.limit = 3", 2, 11, "invalid type: map, expected a number"),
     ("[monitor]\nperiod = 1", 2, 1, "unknown field `period`"),
     ("[monitor]\nperiod_ms = 0.5", 2, 13, "`period_ms` is 0.5, but must lie between 1 and 10"),
     ("[monitor]\nperiod_ms = \"1\"", 2, 13, "expected a number"),
