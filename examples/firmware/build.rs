@@ -262,7 +262,9 @@ fn sensors(text: &mut String, file: &SpindleFile) -> Result<()> {
 }
 
 fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
-    let probes: Vec<_> = file.probes.iter().map(Probe::settings).collect();
+    let probes = file.probes.iter().map(Probe::settings);
+    let probes = probes.map(|probe| format!("spindle_monitor::{probe:?}, "));
+    let probes: String = probes.collect();
     let channels = file.probes.iter().map(|probe| probe.channel);
     let channels: Option<Vec<_>> = channels.collect();
     let channels = channels.filter(|channels| !channels.is_empty());
@@ -273,7 +275,11 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
     });
     let mut faults = String::new();
     for (fault, changes) in spindle_file::mounting::faults::changes(file)? {
-        write!(faults, "(Fault::{fault:?}, {}), ", numbers(changes))?;
+        write!(
+            faults,
+            "(spindle_monitor::response::Fault::{fault:?}, {}), ",
+            numbers(changes)
+        )?;
     }
     Ok(writeln!(
         text,
@@ -284,13 +290,12 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
          /// Channels of the converter that the probes are at, and um per count; none for readings over the port.\n\
          pub const PROBE_CHANNELS: Option<[(usize, f32); PROBES]> = {channels:?};\n\
          /// Settings of the probes.\n\
-         pub static RESPONSE: ResponseSettings<PROBES> = {{\n\
-         #[allow(unused_imports)]\nuse spindle_monitor::{{ProbeSettings, response::Fault}};\n\
-         ResponseSettings {{ probes: {probes:?}, faults: &[{faults}] }}\n}};\n\
+         pub static RESPONSE: ResponseSettings<PROBES> =\n\
+         ResponseSettings {{ probes: [{probes}], faults: &[{faults}] }};\n\
          const _: () = assert!(RESPONSE.check().is_ok());",
         file.bearings_checksum(),
         file.displacements_checksum(),
-        probes.len()
+        file.probes.len()
     )?)
 }
 
@@ -309,15 +314,18 @@ fn settings(text: &mut String, file: &SpindleFile) -> Result<()> {
         telemetry,
     } = file.settings(&Core::STM32F405);
     let rows = &rows[..file.plan.rows.len()];
+    let temperatures = match temperatures {
+        Some(temperatures) => format!("Some(spindle_monitor::{temperatures:?})"),
+        None => "None".to_owned(),
+    };
     Ok(writeln!(
         text,
         "/// Period of a tick, us.\n\
          pub const PERIOD_US: u32 = {};\n\
          /// Settings of the monitor on this core.\n\
          pub const fn monitor_settings(core: &Core) -> MonitorSettings<ROWS> {{\n\
-         #[allow(unused_imports)]\nuse spindle_monitor::TemperatureSettings;\n\
          let settings = MonitorSettings {{\n\
-         rows: {rows:?}, shaft: {shaft:?}, temperatures: {temperatures:?},\n\
+         rows: {rows:?}, shaft: {shaft:?}, temperatures: {temperatures},\n\
          tick: TickSettings::new(PERIOD_US, core.hz, core.cost.with_probes(PROBES)),\n\
          tolerance: {tolerance:?}, accuracy: {accuracy:?}, plausibility: {plausibility:?},\n\
          overload: {overload:?}, alarms: {alarms:?}, telemetry: {telemetry:?}\n\
