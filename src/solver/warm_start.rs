@@ -217,11 +217,7 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
             let Some(placed) = layout.rows.get(number) else {
                 return;
             };
-            let mut own = if bends {
-                self.slopes::<A, SET>(layout, number)
-            } else {
-                self.slopes_change::<A, SET>(layout, number)
-            };
+            let mut own = self.slopes::<A, SET>(layout, number, bends);
             placed.mount.assemble(&mut own, sum);
         };
         let mut sum = Sum::NONE;
@@ -236,34 +232,27 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
         sum.k
     }
 
-    /// Forces and slopes of a row in its own frame, about its groove plane, after the last step.
+    /// Slopes of a row in its own frame, about its groove plane, after the last step; their change by that step alone if not `in_full`.
+    #[inline(always)]
     pub fn slopes<A: Rule, const SET: bool>(
         &self,
         layout: &Layout<'_, T, R, SET, E>,
-        row: usize,
+        number: usize,
+        in_full: bool,
     ) -> Sum<T, 5> {
         let mut own = Sum::NONE;
-        if let (Some(placed), Some(row)) = (layout.rows.get(row), self.rows.get(row)) {
-            let bearing = &placed.bearing;
+        let (Some(placed), Some(row)) = (layout.rows.get(number), self.rows.get(number)) else {
+            return own;
+        };
+        let bearing = &placed.bearing;
+        if in_full {
             sum_up::<T, A, 5>(row.used(bearing), bearing.azimuths, &mut own);
         }
-        own.add(&self.slopes_change::<A, SET>(layout, row));
-        own
-    }
-
-    /// Change of a row's slopes by the last step.
-    fn slopes_change<A: Rule, const SET: bool>(
-        &self,
-        layout: &Layout<'_, T, R, SET, E>,
-        row: usize,
-    ) -> Sum<T, 5> {
-        match (layout.rows.get(row), self.rows.get(row)) {
-            (Some(placed), Some(of_row)) if self.state.stale => {
-                let v = self.motion::<SET>(layout, row);
-                of_row.stiffness_change::<A, 5>(&placed.bearing, &v)
-            }
-            _ => Sum::NONE,
+        if self.state.stale {
+            let v = self.motion::<SET>(layout, number);
+            own.add(&row.stiffness_change::<A, 5>(bearing, &v));
         }
+        own
     }
 
     /// Offset of a row's groove plane from its reference position.

@@ -101,7 +101,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let (spindle, last) = (self.spindle, self.last);
         let layout = &spindle.layout;
         let of_row = |number: usize| {
-            let own = last.slopes::<M::Rule, true>(layout, number);
+            let own = last.slopes::<M::Rule, true>(layout, number, true);
             let is_closed = closed == Some(number);
             // The balls see a closure as an axial motion of their ring.
             let force = own.k.map(|k| if is_closed { k[0] } else { T::ZERO });

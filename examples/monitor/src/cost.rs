@@ -7,7 +7,7 @@ use crate::tick::{Core, CycleCost};
 impl CycleCost {
     /// Cortex-M4F, rows on an elastic shaft: modelled.
     pub const CORTEX_M4F: Self = Self {
-        tick: 19_200,
+        tick: 18_800,
         ball_row: 2_950,
         step: 4_000,
         ball_step: 500,
