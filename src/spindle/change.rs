@@ -63,7 +63,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// How the equilibrium changes with the closure of a row: what a micrometre of spacer does. A row beyond the last one counts as
     /// that. A row that slides gives way.
     ///
-    /// Half the sum of the changes by both rows of a pair is that by the closure that they share.
+    /// Half the sum of the changes by both rows of a pair is the change by a closure that they share.
     ///
     /// ```
     /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Settings, Speed, Spindle, SpindleSolver};

@@ -3,14 +3,16 @@
 use crate::arguments::Args;
 use anyhow::{Result, anyhow};
 use cli::replay::{ReplayError, Summary, Table};
-use spindle_bearing::{Settings, Speed, SpindleChange};
+use spindle_bearing::{RacewayControlFree, Settings, Speed, SpindleChange, SpindleSolution};
 use spindle_file::loads::LoadRow;
-use spindle_file::mounting::{DynSolver, MOST_JOINTS, Parts, closed, growths};
-use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS};
+use spindle_file::mounting::{DynSolver, DynSpindle, MOST_JOINTS, Parts, closed, growths};
+use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS, Question};
 use spindle_file::reading::short;
 use spindle_file::spindles::SpindleFile;
 use std::io::{self, Write};
 
+type DynSolution<'s> =
+    SpindleSolution<'s, f64, MOST_ROWS, MOST_BALLS, RacewayControlFree, 6, MOST_JOINTS>;
 type DynChange<'s> = SpindleChange<'s, f64, MOST_ROWS, MOST_BALLS, 6, MOST_JOINTS>;
 
 /// Of a temperature's difference, K: the changes are linear over it to a millionth.
@@ -31,6 +33,18 @@ fn state(args: &Args, file: &SpindleFile) -> LoadRow {
         temperatures,
         probes: [None; 4],
     }
+}
+
+fn solve<'s>(
+    solver: &'s mut DynSolver<f64>,
+    spindle: &'s DynSpindle<'s, f64>,
+    question: &Question,
+) -> Result<DynSolution<'s>> {
+    let at = Speed::rad_per_s(question.omega).with_growth(growths(&question.growth));
+    let solved = solver.solve(spindle, question.load, at, &Settings::DEFAULT);
+    solved.map_err(|status| {
+        anyhow!("{status}: --sensitivity is for a load with an equilibrium, such as --fx 300")
+    })
 }
 
 /// Writes the table to standard output.
@@ -61,10 +75,7 @@ pub fn run(args: &Args) -> Result<Summary> {
     // Preload of each row, N, and displacement at each place, um.
     let mut figures = |row: &LoadRow| {
         let question = file.question(row);
-        let at = Speed::rad_per_s(question.omega).with_growth(growths(&question.growth));
-        let solved = solver.solve(&spindle, question.load, at, &Settings::DEFAULT);
-        let solution =
-            solved.map_err(|status| anyhow!("this load has no equilibrium: {status}"))?;
+        let solution = solve(&mut solver, &spindle, &question)?;
         let preloads = solution.rows().map(|row| row.preload());
         let places = places.iter().flat_map(|(_, x)| {
             let [dx, dy, dz, ..] = solution.displacement_at(from_loads(*x));
@@ -89,11 +100,8 @@ pub fn run(args: &Args) -> Result<Summary> {
             lines.push((format!("1 K at the {name} side"), changes.collect()));
         }
     }
-    let question = file.question(&row);
-    let at = Speed::rad_per_s(question.omega).with_growth(growths(&question.growth));
     let mut solver = DynSolver::<f64>::new();
-    let solved = solver.solve(&spindle, question.load, at, &Settings::DEFAULT);
-    let solution = solved.map_err(|status| anyhow!("this load has no equilibrium: {status}"))?;
+    let solution = solve(&mut solver, &spindle, &file.question(&row))?;
     let changes = |change: &DynChange<'_>, size: f64| -> Vec<f64> {
         let preloads = change.preloads().map(|preload| size * preload);
         let places = places.iter().flat_map(|(_, x)| {
