@@ -7,9 +7,9 @@
 //! | acquisition | [`loads`] | five loads and a speed, or why there are none |
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | solve | [`tick`], `tracker` | an equilibrium, in the time that ticks have |
-//! | levels | [`watch`] | a level for each alarm |
+//! | levels | `watch` | a level for each alarm |
 //! | response | [`pairs`], [`response`] | measured over computed displacement at the probes |
-//! | alarms | [`judgement`] | alarms that latch |
+//! | alarms | [`alarms`], [`judgement`] | their list; alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | reports | `reports`, [`outbox`], [`telemetry`] | frames for a host |
 //! | the board | [`board`], [`self_check`] | why it started, and whether it is sound |
@@ -129,7 +129,7 @@ pub mod telemetry;
 pub mod temperature;
 pub mod tick;
 mod tracker;
-pub mod watch;
+mod watch;
 
 pub use alarms::Alarm;
 pub use board::BoardReport;
