@@ -25,7 +25,7 @@ pub struct SpindleChange<
     spindle: &'s Spindle<'s, T, R, N, D, E>,
     /// Motion of the spindle's centre, SI.
     u: [T; 5],
-    /// What bends the shaft, in the solver's units of a change by `1 / per`.
+    /// Forces that bend the shaft, in the solver's units, by a change of `1 / per`.
     deflections: [Deflection<T, D>; E],
     per: T,
     forces: [[T; 5]; R],
@@ -60,8 +60,8 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
     SpindleSolution<'s, T, R, N, M, D, E>
 {
-    /// How the equilibrium changes with the closure of a row: what a micrometre of spacer does. A row beyond the last one counts as
-    /// that. A row that slides gives way.
+    /// How the equilibrium changes with the closure of a row, as by a spacer that is ground: closing presses the row's balls harder. A
+    /// number beyond the last row is the last one. A row that slides gives way.
     ///
     /// Half the sum of the changes by both rows of a pair is the change by a closure that they share.
     ///

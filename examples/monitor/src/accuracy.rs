@@ -8,7 +8,8 @@ use crate::settings::ShaftSettings;
 /// Compliance at a position of the shaft.
 type Compliance = [[f32; 5]; 5];
 
-/// The position nearest to the loads, of those from the nose to the row next to it: beyond the nose, loads bend nothing that moves it.
+/// The position nearest to the loads, between the nose and the row next to the nose. Beyond the nose, loads bend no part of the shaft that
+/// moves the nose.
 ///
 /// Between the rows of an elastic shaft, loads count as if they pressed a rigid arm of the row next to the nose.
 pub(crate) fn place(shaft: &ShaftSettings, rows: impl Iterator<Item = f32>) -> f32 {

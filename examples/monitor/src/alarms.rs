@@ -17,16 +17,16 @@ const SECOND: Unit = ("s", 1.0);
 const PERCENT: Unit = ("%", 1e-2);
 const PLAIN: Unit = ("", 1.0);
 
-/// What levels of an alarm come with.
+/// When the levels of an alarm come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rhythm {
-    /// Each estimate.
+    /// With each estimate.
     Estimate,
-    /// Each sample, which is missing after a time.
+    /// With each sample, which is missing after a time.
     Sample,
-    /// Each tick, however many are left out, or each second.
+    /// With each tick or each second.
     Tick,
-    /// Each block of the probes' readings.
+    /// With each block of the probes' readings.
     Block,
 }
 use Rhythm::{Block, Estimate, Sample, Tick};
@@ -38,9 +38,9 @@ pub struct UsualLevels {
     pub limit: f64,
     /// It ends.
     pub clear: f64,
-    /// It is not waited for; none for never.
+    /// Level that raises the alarm at once; none for never.
     pub at_once: Option<f64>,
-    /// So much of its time must add up, ms.
+    /// Time of the condition that must add up, ms.
     pub hold_ms: u32,
 }
 
@@ -75,7 +75,7 @@ macro_rules! alarms {
                 match self { $(Self::$alarm => $unit),+ }
             }
 
-            /// What its levels in a file are, with their unit.
+            /// Meaning of its levels in a file, with their unit.
             pub const fn level_of(self) -> &'static str {
                 match self { $(Self::$alarm => $of),+ }
             }
@@ -94,7 +94,7 @@ macro_rules! alarms {
                 match self { $(Self::$alarm => $again),+ }
             }
 
-            /// What its levels come with.
+            /// When its levels come.
             pub(crate) const fn rhythm(self) -> Rhythm {
                 match self { $(Self::$alarm => $rhythm),+ }
             }
@@ -102,8 +102,8 @@ macro_rules! alarms {
     };
 }
 
-// Number on the wire, name, unit, what the level in a file is; by default: limit, clear, at once, hold time in ms; whether it is raised
-// again where its level grows: a time without a measurement grows by itself; what its levels come with.
+// Number on the wire, name, unit, meaning of the level in a file; by default: limit, clear, at once, hold time in ms; whether it is raised
+// again where its level grows: a time without a measurement grows by itself; when its levels come.
 alarms! {
     /// Peak contact pressure, Pa.
     PeakPressure = 0, "peak-pressure", GPA "GPa", 2.0, 1.9, Some(2.5), 100, true, Estimate;
@@ -132,7 +132,7 @@ alarms! {
     /// The spindle is more compliant than at commissioning: measured over computed displacement at a probe, less 1.
     StiffnessLoss = 12, "stiffness-loss", PERCENT "% more displacement at a probe than at commissioning", 5.0, 4.0, None, 0, true, Block;
     /// The spindle is stiffer than at commissioning: 1 less that ratio.
-    StiffnessGain = 13, "stiffness-gain", PERCENT "% less displacement", 5.0, 4.0, None, 0, true, Block;
+    StiffnessGain = 13, "stiffness-gain", PERCENT "% less displacement at a probe than at commissioning", 5.0, 4.0, None, 0, true, Block;
     /// A probe does not follow the loads: 1, else 0.
     Probe = 14, "probe", PLAIN "1 for a probe that does not follow the loads, else 0", 0.5, 0.25, None, 0, true, Block;
 }

@@ -446,6 +446,7 @@ impl<const R: usize> MonitorSettings<R> {
             (loads, "plausibility.load", "numbers: low, then high"),
             (rates, "plausibility.load_rate", "positive"),
             (p.stuck_after != 1, "plausibility.stuck_after", "0 or at least 2"),
+            (p.speed_stuck_after != 1, "plausibility.speed_stuck_after", "0 or at least 2"),
             (p.missing_after_us >= t.period_us, "plausibility.missing_after_us", "at least a tick"),
             (p.fresh_us >= t.period_us, "plausibility.fresh_us", "at least a tick"),
             (residual, "plausibility.residual", "positive"),

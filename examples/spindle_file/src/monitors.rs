@@ -19,7 +19,7 @@ use toml::de::{DeTable, DeValue, ValueDeserializer};
 /// Settings of a file's monitor. Rows, shaft and core are added where all of the file is known.
 pub(crate) type Settings = MonitorSettings<MOST_ROWS>;
 
-/// What a board has besides the settings of its monitor.
+/// Settings of a board's sensors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensors {
     /// Loads `Fx, Fy, Fz` (N), `My, Mz` (N m) of the idling spindle, to start from. No bridge can tell them from its zero.
@@ -98,12 +98,14 @@ enum Target<'m> {
     Time(&'m mut u32),
     Count(&'m mut u16),
     Pair(&'m mut [f32; 2]),
+    /// Lowest and highest.
+    Ends(&'m mut [f32; 2]),
     /// The plausible range of this load.
     Range(&'m mut Settings, usize),
     /// What [`Said::bridges`] reads.
     Bridges,
 }
-use Target::{Bound, Count, Number, Pair, Range, Time};
+use Target::{Bound, Count, Ends, Number, Pair, Range, Time};
 
 /// A unit in files, and its size in the unit of the settings. `{N}` is N or N m, by the load.
 type Unit = (&'static str, f64);
@@ -165,7 +167,7 @@ const KEYS: [Key; 37] = [
     Key("plausible.speed_difference_percent", ("%", 1e-2), [0.0, 100.0], |m, _, _| Number(&mut m.plausibility.speed_difference[1]), "", "besides, as a part of the speed"),
     Key("overload.{load}", LOAD, POSITIVE, |m, _, i| Number(&mut m.overload[i]), "the larger amount of its plausible range", "largest {name} that the spindle may carry"),
     Key("accuracy.{load}", LOAD, AMOUNT, |m, _, i| Number(&mut m.accuracy[i]), "1 % of the larger amount of its plausible range", "error of the {name}"),
-    Key("temperatures.range_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Pair(&mut temperatures(m).range), "", "lowest and highest"),
+    Key("temperatures.range_c", ("°C", 1.0), [-1e12, 1e12], |m, _, _| Ends(&mut temperatures(m).range), "", "lowest and highest"),
     Key("temperatures.difference_k", KELVIN, POSITIVE, |m, _, _| Number(&mut temperatures(m).difference), "", "how much both sides may differ"),
     Key("temperatures.rate_k_per_s", ("K/s", 1.0), POSITIVE, |m, _, _| Number(&mut temperatures(m).rate), "", "fastest change of a side"),
     Key("temperatures.noise_k", KELVIN, [0.0, 1e3], |m, _, _| Number(&mut temperatures(m).noise), "", "change that needs no time: steps and noise of the sensors"),
@@ -187,7 +189,7 @@ const KEYS: [Key; 37] = [
     Key("telemetry.standing_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.standing_us), "", "time after which an alarm that stands is sent again"),
 ];
 
-/// Keys of the five loads, their names, their units, and what a cutter's force makes moments by.
+/// Keys of the five loads, their names, their units, and the arm on which a cutter's force makes a moment.
 const LOADS: [(&str, &str, &str, &str); 5] = [
     ("fx_n", "axial force", "N", ""),
     ("fy_n", "radial force", "N", ""),
@@ -196,13 +198,13 @@ const LOADS: [(&str, &str, &str, &str); 5] = [
         "my_nm",
         "moment about y",
         "N m",
-        " on an arm of 1.4 mean `dm`",
+        " times 1.4 times the mean `dm`",
     ),
     (
         "mz_nm",
         "moment about z",
         "N m",
-        " on an arm of 1.4 mean `dm`",
+        " times 1.4 times the mean `dm`",
     ),
 ];
 
@@ -285,8 +287,9 @@ impl Key {
             Bound(of) => *of = Some((number(false)? * size) as f32),
             Time(of) => *of = (number(false)? * size).round() as u32,
             Count(of) => *of = number(true)? as u16,
-            Pair(of) => *of = said.read::<[f64; 2]>(value)?.map(|x| x as f32),
-            Range(of, load) => of.set_range(load, said.read(value)?),
+            Pair(of) => *of = said.array(value)?.map(|x| x as f32),
+            Ends(of) => *of = said.range(value, *bounds)?.map(|x| x as f32),
+            Range(of, load) => of.set_range(load, said.range(value, *bounds)?),
             Target::Bridges => {}
         }
         Ok(())
@@ -302,7 +305,7 @@ impl Key {
             Number(of) => value((*of).into()),
             Time(of) => value((*of).into()),
             Count(of) => value((*of).into()),
-            Pair(of) => format!("`{of:?}`").replace(".0", ""),
+            Pair(of) | Ends(of) => format!("`{of:?}`").replace(".0", ""),
             Bound(_) | Range(..) | Target::Bridges => String::new(),
         };
         let path = self.text(path, load);
@@ -360,7 +363,7 @@ fn paths() -> Vec<String> {
         .collect()
 }
 
-/// What a file says in `[monitor]`.
+/// The keys of `[monitor]` that a file gives.
 struct Said<'t, 'v> {
     r: Reading<'t>,
     table: &'v DeTable<'t>,
@@ -397,6 +400,38 @@ impl<'t, 'v> Said<'t, 'v> {
         T::deserialize(value).map_err(|error| self.r.refused(&error))
     }
 
+    /// As many numbers.
+    fn array<const N: usize>(
+        &self,
+        value: &Spanned<DeValue<'t>>,
+    ) -> Result<[f64; N], DesignFileError> {
+        let all: Vec<f64> = self.read(value)?;
+        let count = all.len();
+        all.try_into().map_err(|_| {
+            let message = format!("invalid length {count}, expected an array of length {N}");
+            self.r.error(self.r.place(value.span()), message)
+        })
+    }
+
+    /// The lowest value within these bounds, and the highest one.
+    fn range(
+        &self,
+        value: &Spanned<DeValue<'t>>,
+        [least, most]: Bounds,
+    ) -> Result<[f64; 2], DesignFileError> {
+        let [low, high] = self.array(value)?;
+        let message = if low < least || high > most {
+            format!(
+                "the range is from {low:e} to {high:e}, but must lie between {least:e} and {most:e}"
+            )
+        } else if (low as f32) < high as f32 {
+            return Ok([low, high]);
+        } else {
+            format!("the range is from {low} to {high}; give the lowest value first")
+        };
+        Err(self.r.error(self.r.place(value.span()), message))
+    }
+
     /// A number within its bounds.
     fn bounded(
         &self,
@@ -422,9 +457,8 @@ impl<'t, 'v> Said<'t, 'v> {
         paths: &[String],
     ) -> Result<(), DesignFileError> {
         for (key, value) in table {
-            let (path, place) = (format!("{above}{}", key.get_ref()), |span| {
-                self.r.place(span)
-            });
+            let path = format!("{above}{}", key.get_ref());
+            let place = |span| self.r.place(span);
             // A dot in quotes is part of a name.
             let is_name = !key.get_ref().contains('.');
             if is_name && paths.contains(&path) {
@@ -469,7 +503,8 @@ impl<'t, 'v> Said<'t, 'v> {
         let (usual, any) = (alarm.usual(), [-1e12, 1e12]);
         // The usual limit of the contact angle is 0: its other levels keep their distance.
         let is_offset = usual.limit == 0.0;
-        let limit = number("limit", if is_offset { any } else { POSITIVE })?.unwrap_or(usual.limit);
+        let bounds = if is_offset { [-90.0, 90.0] } else { POSITIVE };
+        let limit = number("limit", bounds)?.unwrap_or(usual.limit);
         let along = |level: f64| match is_offset {
             true => level + limit,
             false => level * (limit / usual.limit),
@@ -477,13 +512,13 @@ impl<'t, 'v> Said<'t, 'v> {
         let clear = number("clear", any)?.unwrap_or_else(|| along(usual.clear));
         let at_once = number("at_once", any)?.or(usual.at_once.map(along));
         let hold_ms = number("hold_ms", [0.0, TIME[1]])?.unwrap_or(usual.hold_ms.into());
+        let threshold = alarm.threshold(limit, clear, at_once, (1e3 * hold_ms).round() as u32);
+        let is_once_above = threshold.at_once.is_none_or(|at| at >= threshold.raise);
         let [of_limit, of_clear, of_once] = ["limit", "clear", "at_once"].map(path);
-        let (other, told) = match (clear < limit, at_once.is_none_or(|level| level >= limit)) {
+        let (other, told) = match (threshold.clear < threshold.raise, is_once_above) {
             (false, _) => (of_clear, "`clear` must be below `limit`"),
             (_, false) => (of_once, "`at_once` must be `limit` at least"),
-            (true, true) => {
-                return Ok(alarm.threshold(limit, clear, at_once, (1e3 * hold_ms).round() as u32));
-            }
+            (true, true) => return Ok(threshold),
         };
         let message = format!("the alarm {alarm}: {told}");
         Err(self.error([&of_limit, &other], message))
@@ -497,9 +532,11 @@ impl<'t, 'v> Said<'t, 'v> {
     ) -> Result<(), DesignFileError> {
         let keys = ["bridges.counts", "bridges.tare_samples"];
         let [counts, samples] = keys.map(|path| self.value(path));
-        let counts = counts
-            .map(|counts| self.read::<Vec<[f64; 5]>>(counts))
-            .transpose()?;
+        let by_bridge = |counts: &Spanned<DeValue<'t>>| match counts.get_ref().as_array() {
+            Some(bridges) => bridges.iter().map(|bridge| self.array(bridge)).collect(),
+            None => self.read::<Vec<[f64; 5]>>(counts),
+        };
+        let counts = counts.map(by_bridge).transpose()?;
         let loads = self.value("loads");
         let loads = loads.map(|loads| self.read::<String>(loads)).transpose()?;
         let counts = match (loads.as_deref(), counts) {
@@ -535,7 +572,7 @@ impl<'t, 'v> Said<'t, 'v> {
         Ok(())
     }
 
-    /// Refuses ranges that are none, and what does not go together.
+    /// Refuses values that contradict each other.
     fn contradictions(
         &self,
         settings: &Settings,
@@ -543,21 +580,6 @@ impl<'t, 'v> Said<'t, 'v> {
         reference: Option<(f64, Place)>,
     ) -> Result<(), DesignFileError> {
         let loads = LOADS.map(|(load, ..)| format!("plausible.{load}"));
-        let ranges = loads.iter().map(String::as_str);
-        for path in ranges.chain(["temperatures.range_c"]) {
-            let Some(value) = self.value(path) else {
-                continue;
-            };
-            let [low, high] = self.read::<[f64; 2]>(value)?;
-            let message = if low.abs().max(high.abs()) > 1e12 {
-                format!("the range is from {low} to {high}, but must lie between -1e12 and 1e12")
-            } else if low < high {
-                continue;
-            } else {
-                format!("the range is from {low} to {high}; give the lowest value first")
-            };
-            return Err(self.error([path; 2], message));
-        }
         for ((range, (load, ..)), (idle, [low, high])) in loads
             .iter()
             .zip(LOADS)
@@ -613,7 +635,7 @@ impl<'t, 'v> Said<'t, 'v> {
             let range = format!("plausible.{key}");
             if self.value(&range).is_some() {
                 let usual = RANGES.map(|part| part * f64::from(usual.load[i][1]));
-                let value = if high > -low { high } else { low };
+                let value = if high >= -low { high } else { low };
                 let question = format!("is it in {unit}?");
                 doubts.unusual(
                     self.place([&range; 2]),

@@ -113,7 +113,7 @@ pub struct SpindleFile {
     pub heat: Option<Heat>,
     /// Settings of its monitor, but for rows, shaft and core: [`SpindleFile::settings`].
     pub(crate) monitor: monitors::Settings,
-    /// What a board has besides.
+    /// Settings of its board's sensors.
     pub sensors: Sensors,
     /// Figures that are solved as they are, and seem to be meant otherwise.
     pub doubts: Vec<String>,

@@ -68,7 +68,7 @@ fn check(file: &SpindleFile, plan: &Plan, core: Option<Core>) -> Result<(), Buil
         return error(format!(
             "a tick of {} ms on the {chip} has no time for parts of a solve with {rows} rows of {most} balls: give a longer `period_ms` \
              in [monitor]",
-            settings.tick.period_us / 1000
+            f64::from(settings.tick.period_us) / 1e3
         ));
     }
     Ok(())

@@ -365,7 +365,13 @@ fn ranges_follow_from_ratings_and_pitch_diameters() {
 
 /// Text, the place of its fault counted from the end of the spindle, and words of the message.
 #[rustfmt::skip]
-const WRONG: [(&str, usize, usize, &str); 36] = [
+const WRONG: [(&str, usize, usize, &str); 42] = [
+    ("[monitor.plausible]\nfx_n = [-1000, 1000, 3000]", 2, 8, "invalid length 3, expected an array of length 2"),
+    ("[monitor.temperatures]\nwarm_c = [40]", 2, 10, "invalid length 1, expected an array of length 2"),
+    ("[monitor]\nloads = \"bridges\"\nbridges.counts = [[1, 0, 0, 0, 0, 7]]", 3, 19, "invalid length 6, expected an array of length 5"),
+    ("[monitor.plausible]\nfx_n = [1000, 1000.00001]", 2, 8, "give the lowest value first"),
+    ("[monitor.alarm.slip]\nlimit = 0.07\nclear = 0.06999999999", 3, 9, "the alarm slip: `clear` must be below `limit`"),
+    ("[monitor.alarm.contact-angle]\nlimit = -1e8", 2, 9, "must lie between -90 and 90"),
     ("[monitor]\nplausible = 3", 2, 13, "`plausible` is a table of keys"),
     ("[monitor]\n\"plausible.fx_n\" = [1, 2]", 2, 1, "unknown field `plausible.fx_n`"),
     ("[monitor]\nalarm.slip.limits = 3", 2, 12, "unknown field `limits`, expected one of `limit`, `clear`, `hold_ms`, `at_once`"),

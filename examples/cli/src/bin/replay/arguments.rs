@@ -77,9 +77,10 @@ pub struct Args {
 
     /// In the place of the results: what 1 um of a row's closure, 1 N of the spring and 1 K on either side do
     ///
-    /// They change the preload of each row (N) and the displacement at each nose and probe (um), at the constant load, speed and
+    /// Closing a row presses its balls harder; rows count from 0. The preload of each row (N) and the displacement at each nose and
+    /// probe (um) change, at the constant load, speed and
     /// temperatures of the options, such as --fy 100 --speed 12000; without them, of the idling spindle, at rest and cold.
-    #[arg(long, conflicts_with_all = LIMITS_ALONE, conflicts_with_all = ["loads", "limits", "response", "import"])]
+    #[arg(long, conflicts_with_all = LIMITS_ALONE, conflicts_with_all = ["loads", "limits", "response", "import", "every", "board"])]
     pub sensitivity: bool,
 
     /// Board that the monitor runs on
@@ -199,7 +200,8 @@ pub struct Probes {
 
     /// Reference of --response, from and to this time, s; without it, the first 20 engagements are the reference
     ///
-    /// With --limits, the board is given the order at the second time, and takes its ratios until then; without it, it has no reference.
+    /// With --limits, the board is given the order at TO, and its reference are the readings until then: FROM does not count. Without
+    /// this option, it has no reference.
     #[arg(long, value_name = "FROM:TO", requires = "with_probes", value_parser = window, allow_hyphen_values = true)]
     pub commission: Option<[f64; 2]>,
 }

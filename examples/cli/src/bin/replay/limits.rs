@@ -87,6 +87,11 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
     let (mut source, mut frames) = (FramedLoads::new(), FrameReader::new());
     let (mut told, mut fault) = (Vec::<String>::new(), None);
     let mut commission = args.response.commission.map(|[_, to]| to);
+    ensure!(
+        commission.is_none() || P > 0,
+        "--commission is for probes, and {} has no [[probe]]",
+        args.design().display()
+    );
     let mut standing = EnumSet::<Alarm>::new();
     let mut doubts = [0_u64; Marks::variant_count() as usize];
     let output = |error| ReplayError::Output(Table::Results, error);
@@ -156,6 +161,11 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
         }
     }
     out.flush().map_err(output)?;
+    if let Some(to) = commission {
+        eprintln!(
+            "replay: the recording ends before {to} s: the probes have no reference; give --commission an earlier end"
+        );
+    }
     if let Some(fault) = fault {
         eprintln!("replay: at the end, the ratios fit {fault}");
     }

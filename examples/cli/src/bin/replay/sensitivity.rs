@@ -15,9 +15,9 @@ type DynSolution<'s> =
     SpindleSolution<'s, f64, MOST_ROWS, MOST_BALLS, RacewayControlFree, 6, MOST_JOINTS>;
 type DynChange<'s> = SpindleChange<'s, f64, MOST_ROWS, MOST_BALLS, 6, MOST_JOINTS>;
 
-/// Of a temperature's difference, K: the changes are linear over it to a millionth.
+/// Step of a temperature to either side, K: changes are linear over it to some 1e-5.
 const STEP: f64 = 0.1;
-/// Figures up to this, N and um, are those of rounding.
+/// Smaller figures, N and um, are errors of rounding, printed as 0.
 const ROUNDING: f64 = 1e-9;
 
 /// The load, speed and temperatures of the options; idling, at rest and cold without them.
@@ -42,9 +42,7 @@ fn solve<'s>(
 ) -> Result<DynSolution<'s>> {
     let at = Speed::rad_per_s(question.omega).with_growth(growths(&question.growth));
     let solved = solver.solve(spindle, question.load, at, &Settings::DEFAULT);
-    solved.map_err(|status| {
-        anyhow!("{status}: --sensitivity is for a load with an equilibrium, such as --fx 300")
-    })
+    solved.map_err(|status| anyhow!("{status}; --fx, --speed and others give another load"))
 }
 
 /// Writes the table to standard output.
@@ -59,15 +57,15 @@ pub fn run(args: &Args) -> Result<Summary> {
     let mut places: Vec<_> = file
         .noses
         .iter()
-        .map(|nose| (nose.name.as_str(), nose.end.position))
+        .map(|nose| (nose.name.clone(), nose.end.position))
         .collect();
     places.extend(
         file.probes
             .iter()
-            .map(|probe| (probe.name.as_str(), probe.position)),
+            .map(|probe| (format!("probe_{}", probe.name), probe.position)),
     );
     if places.is_empty() {
-        places.push(("origin", 0.0));
+        places.push(("origin".to_owned(), 0.0));
     }
     let from_loads = |x: f64| x - plan.loaded_at();
 
@@ -122,7 +120,7 @@ pub fn run(args: &Args) -> Result<Summary> {
     lines.rotate_right(1);
 
     let preloads = (0..plan.rows.len()).map(|row| format!("preload_{row}_n"));
-    let of_place = |(name, _): &(&str, f64)| ["dx", "dy", "dz"].map(|u| format!("{name}_{u}_um"));
+    let of_place = |(name, _): &(String, f64)| ["dx", "dy", "dz"].map(|u| format!("{name}_{u}_um"));
     let columns: Vec<String> = preloads.chain(places.iter().flat_map(of_place)).collect();
     let mut text = format!("change,{}\n", columns.join(","));
     for (name, figures) in lines {
