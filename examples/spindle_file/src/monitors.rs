@@ -1,6 +1,6 @@
 //! The monitor of a spindle file: `[monitor]`, all of which may be left out.
 //!
-//! [`KEYS`] has a line for each number. `docs/monitor_keys.md` is made of it. What is not said is as [`MonitorSettings::of`] has it
+//! `KEYS` has a line for each number. `docs/monitor_keys.md` is made of it. What is not said is as [`MonitorSettings::of`] has it
 //! for the file's bearings.
 
 use crate::calibration;
@@ -102,7 +102,7 @@ enum Target<'m> {
     Ends(&'m mut [f32; 2]),
     /// The plausible range of this load.
     Range(&'m mut Settings, usize),
-    /// What [`Said::bridges`] reads.
+    /// Read by `Said::bridges`.
     Bridges,
 }
 use Target::{Bound, Count, Ends, Number, Pair, Range, Time};
