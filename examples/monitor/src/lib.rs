@@ -687,13 +687,13 @@ impl<
         mut has_time: impl FnMut() -> bool,
     ) -> Option<Option<(Status<f32>, [f32; P])>> {
         let (settings, Ended { task, rows, count }) = (self.settings, ended);
+        let limits = settings.limits();
         self.tracker.look(task, settings, |solution| {
             while rows.len() < *count
                 && let Some(row) = settings.rows.get(rows.len())
                 && has_time()
             {
-                let limits = &settings.limits();
-                let _ = rows.push(solution.row_summary(rows.len(), limits, &row.rating));
+                let _ = rows.push(solution.row_summary(rows.len(), &limits, &row.rating));
             }
             if rows.len() < *count {
                 return None;

@@ -35,7 +35,7 @@ fn read(text: &str) -> Result<(Settings, Sensors), String> {
         .map_err(|error| error.to_string())
 }
 
-/// What a line of `[monitor]` sets.
+/// The settings of a file with this line in `[monitor]`.
 fn with(key: &str, value: &str) -> (Settings, Sensors) {
     let bridges = match key {
         "bridges.tare_samples" => format!("loads = \"bridges\"\nbridges.{COUNTS}\n"),

@@ -180,10 +180,10 @@ fn rigid<T: Real, const R: usize>(r: &mut Random) -> usize {
     answers::<T, R, 5, 0>(&drawn, r, |rows, _| Spindle::new(BY_ROWS, rows).unwrap())
 }
 
-fn sprung<T: Real>(r: &mut Random) -> usize {
-    let drawn = Drawn::<T>::of(2, true, false, r);
+fn sprung<T: Real, const R: usize>(r: &mut Random) -> usize {
+    let drawn = Drawn::<T>::of(R, true, false, r);
     let force = drawn.spring.unwrap();
-    answers::<T, 2, 6, 0>(&drawn, r, |rows, _| {
+    answers::<T, R, 6, 0>(&drawn, r, |rows, _| {
         Spindle::sprung(BY_ROWS, rows, force).unwrap()
     })
 }
@@ -198,13 +198,16 @@ fn elastic<T: Real, const R: usize>(r: &mut Random) -> usize {
     })
 }
 
-/// Kinds of rows that other tests have, and as many rows as a program's.
+/// One row, two, and as many as a program's, of each kind.
 fn check<T: Real>() {
     let mut r = Random::seeded(3);
     let kinds = [
         rigid::<T, 1>,
         rigid::<T, 2>,
-        sprung::<T>,
+        rigid::<T, MOST_ROWS>,
+        sprung::<T, 2>,
+        sprung::<T, MOST_ROWS>,
+        elastic::<T, 1>,
         elastic::<T, 2>,
         elastic::<T, MOST_ROWS>,
     ];

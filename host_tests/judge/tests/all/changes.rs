@@ -1,4 +1,4 @@
-//! What the closure of a row and the force of a spring change in an equilibrium, against central differences of solves.
+//! Changes of an equilibrium by the closure of a row and by the force of a spring, against central differences of solves.
 
 use super::bounds::{BALLS, BY_ROWS, Drawn};
 use cli::random::Random;
@@ -92,21 +92,17 @@ fn deviation(change: &Figures, [high, low]: [&Figures; 2], step: f64, usual: [f6
 
 fn check(rows: usize, is_sprung: bool, bends: bool) {
     let mut r = Random::seeded(7);
-    for case in 0..12 {
+    for number in 0..12 {
         let drawn = Drawn::<f64>::of(rows, is_sprung, bends, &mut r);
         let bearings = drawn.designs.iter();
         let bearings =
             bearings.map(|of| Bearing::<f64, MOST_BALLS>::with_balls(of, BALLS).unwrap());
-        let case = (
-            case,
-            Case {
-                drawn: &drawn,
-                bearings: &bearings.collect::<Vec<_>>(),
-                shaft: &Shaft::<f64, 2>::new(&drawn.sections, &Material::STEEL).unwrap(),
-                speed: Speed::rpm(r.zero_or(0.2, 0.0, 20e3)),
-            },
-        );
-        let (number, case) = case;
+        let case = Case {
+            drawn: &drawn,
+            bearings: &bearings.collect::<Vec<_>>(),
+            shaft: &Shaft::<f64, 2>::new(&drawn.sections, &Material::STEEL).unwrap(),
+            speed: Speed::rpm(r.zero_or(0.2, 0.0, 20e3)),
+        };
         let (closures, _, changes) = case.figures(None, drawn.spring);
         for row in (0..rows).filter(|row| drawn.places[*row].2 != Preload::Spring) {
             let step = 1e-9;

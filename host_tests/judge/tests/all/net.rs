@@ -243,8 +243,8 @@ macro_rules! figures {
 }
 
 fn warm_bearings() -> Vec<Line> {
-    let single = Bearing::<f32, 16>::with_balls(&B7005C, 15).unwrap();
-    let double = Bearing::<f64, 16>::with_balls(&B7005C, 15).unwrap();
+    let single = Bearing::<f32, 15>::new(&B7005C).unwrap();
+    let double = Bearing::<f64, 15>::new(&B7005C).unwrap();
     let (mut narrow, mut wide) = (Checksum::new(), Checksum::new());
     let (mut solver, mut precise) = (Solver::new(), Solver::new());
     for (load, rpm, reset) in ticks() {
@@ -275,7 +275,7 @@ fn warm_bearings() -> Vec<Line> {
 }
 
 fn warm_pair() -> Vec<Line> {
-    let bearing = Bearing::<f32, 16>::with_balls(&B7005C, 15).unwrap();
+    let bearing = Bearing::<f32, 15>::new(&B7005C).unwrap();
     let (arrangement, preload) = (Arrangement::BackToBack, Preload::Force(200.0));
     let pair = Spindle::pair(arrangement, &bearing, 0.1, preload).unwrap();
     let (mut sum, mut solver) = (Checksum::new(), SpindleSolver::new());

@@ -77,9 +77,9 @@ pub struct Args {
 
     /// In the place of the results: what 1 um of a row's closure, 1 N of the spring and 1 K on either side do
     ///
-    /// Closing a row presses its balls harder; rows count from 0. The preload of each row (N) and the displacement at each nose and
-    /// probe (um) change, at the constant load, speed and
-    /// temperatures of the options, such as --fy 100 --speed 12000; without them, of the idling spindle, at rest and cold.
+    /// Lines are changes of the preload of each row (N) and of the displacement at each nose and probe (um). Closing a row presses its
+    /// balls harder; rows count from 0. Options such as --fy 100 --speed 12000 give load, speed and temperatures. Without them, the
+    /// spindle idles, at rest and cold.
     #[arg(long, conflicts_with_all = LIMITS_ALONE, conflicts_with_all = ["loads", "limits", "response", "import", "every", "board"])]
     pub sensitivity: bool,
 

@@ -17,7 +17,7 @@ use spindle_monitor::loads::{FramedLoads, LoadSource};
 use spindle_monitor::response::Fault;
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Marks, Monitor, Order, Readings, ResponseSettings};
+use spindle_monitor::{Alarm, Marks, Monitor, MonitorSettings, Order, Readings, ResponseSettings};
 use std::array::from_fn;
 use std::io::{self, Write};
 
@@ -25,16 +25,19 @@ use std::io::{self, Write};
 type DynMonitor<const P: usize> = Monitor<MOST_ROWS, MOST_BALLS, 12, 6, MOST_JOINTS, P>;
 
 /// Makes the monitor of a file on a board. It stays until the program ends, as the board's does.
-fn monitor_of<const P: usize>(file: &SpindleFile, core: Core) -> Result<Box<DynMonitor<P>>> {
+fn monitor_of<const P: usize>(
+    file: &SpindleFile,
+    core: Core,
+    settings: MonitorSettings<MOST_ROWS>,
+) -> Result<Box<DynMonitor<P>>> {
     let plan = board::plan(file, Some(core))?;
     let explained = |error: BuildError| file.explain(&error);
     let parts: &'static Parts<f32> = Box::leak(Box::new(Parts::of(&plan).map_err(explained)?));
     let spindle = parts.spindle(&plan).map_err(explained)?;
-    let settings = Box::leak(Box::new(file.settings(&core)));
     let probes = Box::leak(Box::new(probes_of(file)?));
     Ok(Box::new(Monitor::with_probes(
         Box::leak(Box::new(spindle)),
-        settings,
+        Box::leak(Box::new(settings)),
         probes,
     )))
 }
@@ -75,8 +78,8 @@ fn ratios(file: &SpindleFile, report: &ProbesReport) -> Vec<String> {
 }
 
 fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
-    let mut monitor = monitor_of::<P>(file, args.board)?;
     let settings = file.settings(&args.board);
+    let mut monitor = monitor_of::<P>(file, args.board, settings)?;
     let period_us = settings.tick.period_us;
     let prepared = monitor.prepare(file.sensors.idle);
     prepared.map_err(|status| anyhow!("the idling spindle has no equilibrium: {status}"))?;

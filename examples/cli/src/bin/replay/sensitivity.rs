@@ -69,37 +69,36 @@ pub fn run(args: &Args) -> Result<Summary> {
     }
     let from_loads = |x: f64| x - plan.loaded_at();
 
-    let mut solver = DynSolver::<f64>::new();
     // Preload of each row, N, and displacement at each place, um.
-    let mut figures = |row: &LoadRow| {
-        let question = file.question(row);
-        let solution = solve(&mut solver, &spindle, &question)?;
+    let figures = |solution: &DynSolution<'_>, question: &Question| -> Vec<f64> {
         let preloads = solution.rows().map(|row| row.preload());
         let places = places.iter().flat_map(|(_, x)| {
             let [dx, dy, dz, ..] = solution.displacement_at(from_loads(*x));
             [dx - question.middle_growth, dy, dz].map(|u| 1e6 * u)
         });
-        let figures: Vec<f64> = preloads.chain(places).collect();
-        anyhow::Ok(figures)
+        preloads.chain(places).collect()
     };
-    let mut lines: Vec<(String, Vec<f64>)> = Vec::new();
-    let reached = figures(&row)?;
+    let mut solver = DynSolver::<f64>::new();
+    let mut heat: Vec<(String, Vec<f64>)> = Vec::new();
     if let Some(temperatures) = row.temperatures {
         for (side, name) in ["inner", "outer"].into_iter().enumerate() {
-            let [mut warmer, mut colder] = [temperatures; 2];
-            (warmer[side], colder[side]) = (warmer[side] + STEP, colder[side] - STEP);
-            let mut row = row;
-            row.temperatures = Some(warmer);
-            let high = figures(&row)?;
-            row.temperatures = Some(colder);
-            let low = figures(&row)?;
-            let pairs = high.into_iter().zip(low);
+            let mut warmed = |by: f64| {
+                let (mut row, mut temperatures) = (row, temperatures);
+                temperatures[side] += by;
+                row.temperatures = Some(temperatures);
+                let question = file.question(&row);
+                let solution = solve(&mut solver, &spindle, &question)?;
+                anyhow::Ok(figures(&solution, &question))
+            };
+            let pairs = warmed(STEP)?.into_iter().zip(warmed(-STEP)?);
             let changes = pairs.map(|(high, low)| (high - low) / (2.0 * STEP));
-            lines.push((format!("1 K at the {name} side"), changes.collect()));
+            heat.push((format!("1 K at the {name} side"), changes.collect()));
         }
     }
-    let mut solver = DynSolver::<f64>::new();
-    let solution = solve(&mut solver, &spindle, &file.question(&row))?;
+    let question = file.question(&row);
+    let solution = solve(&mut solver, &spindle, &question)?;
+    let mut lines = vec![("as it is".to_owned(), figures(&solution, &question))];
+    lines.extend(heat);
     let changes = |change: &DynChange<'_>, size: f64| -> Vec<f64> {
         let preloads = change.preloads().map(|preload| size * preload);
         let places = places.iter().flat_map(|(_, x)| {
@@ -116,9 +115,6 @@ pub fn run(args: &Args) -> Result<Summary> {
         let name = "1 N of spring".to_owned();
         lines.push((name, changes(&solution.by_spring(), 1.0)));
     }
-    lines.push(("as it is".to_owned(), reached));
-    lines.rotate_right(1);
-
     let preloads = (0..plan.rows.len()).map(|row| format!("preload_{row}_n"));
     let of_place = |(name, _): &(String, f64)| ["dx", "dy", "dz"].map(|u| format!("{name}_{u}_um"));
     let columns: Vec<String> = preloads.chain(places.iter().flat_map(of_place)).collect();
