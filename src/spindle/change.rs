@@ -1,4 +1,4 @@
-//! How an equilibrium changes with the closure of a row or the force of a spring: exact, by its tangent.
+//! How an equilibrium changes with the closures of rows or the force of a spring: exact, by its tangent.
 
 use crate::ball::kinematics::Motion;
 use crate::linalg::{Factors, moved, product, refer, vector};
@@ -11,8 +11,8 @@ use crate::spindle::Spindle;
 use crate::spindle::solution::SpindleSolution;
 use core::array::from_fn;
 
-/// How an equilibrium changes, per metre of a row's closure or per newton of the spring, while loads, speed and growth stay:
-/// [`SpindleSolution::by_closure`], [`SpindleSolution::by_spring`].
+/// How an equilibrium changes, per metre of closure or per newton of the spring, while loads, speed and growth stay:
+/// [`SpindleSolution::by_closures`], [`SpindleSolution::by_spring`].
 #[derive(Debug, Clone, Copy)]
 pub struct SpindleChange<
     's,
@@ -60,10 +60,10 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
 impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E: usize>
     SpindleSolution<'s, T, R, N, M, D, E>
 {
-    /// How the equilibrium changes with the closure of a row, as by a spacer that is ground: closing presses the row's balls harder. A
-    /// number beyond the last row is the last one. A row that slides gives way.
+    /// How the equilibrium changes with closures of the rows in these proportions, which press the balls harder: per metre of a
+    /// closure of 1. A row has 0 if its own closure stays. Rows that slide give way to a closure that all of them have.
     ///
-    /// Half the sum of the changes by both rows of a pair is the change by a closure that they share.
+    /// `[1.0; R]` is a closure that all rows share. A spacer between two rows closes each by half of what is ground off.
     ///
     /// ```
     /// use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Preload, Settings, Speed, Spindle, SpindleSolver};
@@ -73,18 +73,17 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
     /// let pair = Spindle::new(Arrangement::BackToBack, [row(0.0, Facing::PlusX), row(0.05, Facing::MinusX)])?;
     /// let mut solver = SpindleSolver::<f64, 2, 16>::new();
     /// let solution = solver.solve(&pair, [100.0, 50.0, 0.0, 0.0, 0.0], Speed::rpm(9000.0), &Settings::default())?;
-    /// let change = solution.by_closure(0);
+    /// let change = solution.by_closures([1.0, 0.0]);
     /// // A micrometre at the front row: newtons of preload, and micrometres at the nose.
     /// let [preload, _] = [0, 1].map(|row| 1e-6 * change.preloads().nth(row).unwrap_or_default());
     /// let [axial, ..] = change.displacement_at(-0.03);
     /// assert!(preload > 10.0 && axial < 0.0 && axial > -1.0);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn by_closure(&self, row: usize) -> SpindleChange<'s, T, R, N, D, E> {
-        let layout = &self.spindle.layout;
-        let row = row.min(layout.count().saturating_sub(1));
-        let per = layout.rows[row.min(R - 1)].bearing.c.length;
-        self.change(Some(row), T::ZERO, T::ONE / per)
+    pub fn by_closures(&self, closures: [T; R]) -> SpindleChange<'s, T, R, N, D, E> {
+        let rows = &self.spindle.layout.rows;
+        let closures = vector(|i| closures[i] * rows[i].mount.length);
+        self.change(&closures, T::ZERO, T::ONE / rows[0].bearing.c.length)
     }
 
     /// How the equilibrium changes with the force of the spring; not at all without one.
@@ -92,19 +91,20 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
         let layout = &self.spindle.layout;
         let is_sprung = D == 6 && layout.sliding.is_some();
         let force = if is_sprung { T::ONE } else { T::ZERO };
-        self.change(None, force, T::ONE / layout.rows[0].bearing.c.force)
+        let per = T::ONE / layout.rows[0].bearing.c.force;
+        self.change(&[T::ZERO; R], force, per)
     }
 
-    /// The change by a unit of length of the row that is `closed`, or by this force of the spring; all of it times `per`.
+    /// The change by these closures, in units of the rows, and this force of the spring; all of it times `per`.
     #[inline(never)]
-    fn change(&self, closed: Option<usize>, spring: T, per: T) -> SpindleChange<'s, T, R, N, D, E> {
+    fn change(&self, closures: &[T; R], spring: T, per: T) -> SpindleChange<'s, T, R, N, D, E> {
         let (spindle, last) = (self.spindle, self.last);
         let layout = &spindle.layout;
         let of_row = |number: usize| {
             let own = last.slopes::<M::Rule, true>(layout, number, true);
-            let is_closed = closed == Some(number);
             // The balls see a closure as an axial motion of their ring.
-            let force = own.k.map(|k| if is_closed { k[0] } else { T::ZERO });
+            let closure = closures[number.min(R - 1)];
+            let force = own.k.map(|k| closure * k[0]);
             Sum { force, ..own }
         };
         let (mut sum, mut deflections) = (Sum::<T, D>::NONE, [Deflection::NONE; E]);

@@ -1,10 +1,11 @@
-//! Changes of an equilibrium by the closure of a row and by the force of a spring, against central differences of solves.
+//! Changes of an equilibrium by closures of its rows and by the force of a spring, against central differences of solves.
 
 use super::bounds::{BALLS, BY_ROWS, Drawn};
 use cli::random::Random;
 use spindle_bearing::{Bearing, Material, Preload, Settings, Shaft, Speed, Spindle};
 use spindle_file::mounting::DynSolver;
 use spindle_file::plan::MOST_BALLS;
+use std::array::from_fn;
 
 const LOAD: [f64; 5] = [60.0, 90.0, -40.0, 0.8, -0.5];
 /// Positions on the shaft, m: beyond the nose, and between the rows.
@@ -19,10 +20,12 @@ struct Case<'b> {
     bearings: &'b [Bearing<f64, MOST_BALLS>],
     shaft: &'b Shaft<f64, 2>,
     speed: Speed<f64>,
+    /// Proportions in which all rows that do not slide are closed.
+    shared: &'b [f64],
 }
 
 impl Case<'_> {
-    /// Figures with these closures and that force, and their changes by each closure and by the force.
+    /// Figures with these closures and that force, and their changes by each closure, by all in their proportions, and by the force.
     fn figures(
         &self,
         closures: Option<&[f64]>,
@@ -46,7 +49,10 @@ impl Case<'_> {
             solution.rows().flat_map(|row| row.force).collect(),
             solution.rows().map(|row| row.preload()).collect(),
         ];
-        let closed = (0..rows.len()).map(|row| solution.by_closure(row));
+        let number = rows.len();
+        let alone = (0..number).map(|row| from_fn(|i| if i == row { 1.0 } else { 0.0 }));
+        let shared = from_fn(|i| self.shared.get(i).copied().unwrap_or_default());
+        let closed = alone.chain([shared]).map(|by| solution.by_closures(by));
         let changes = closed.chain([solution.by_spring()]).map(|change| {
             [
                 PLACES
@@ -91,33 +97,45 @@ fn deviation(change: &Figures, [high, low]: [&Figures; 2], step: f64, usual: [f6
 }
 
 fn check(rows: usize, is_sprung: bool, bends: bool) {
-    let mut r = Random::seeded(7);
+    let (mut r, mut weights) = (Random::seeded(7), Random::seeded(1));
     for number in 0..12 {
-        let drawn = Drawn::<f64>::of(rows, is_sprung, bends, &mut r);
+        let mut drawn = Drawn::<f64>::of(rows, is_sprung, bends, &mut r);
+        // Each row has its own unit of length, which follows from its balls.
+        for (design, i) in drawn.designs.iter_mut().zip(0..) {
+            design.ball_diameter *= 1.0 - 0.05 * f64::from(i);
+        }
         let bearings = drawn.designs.iter();
         let bearings =
             bearings.map(|of| Bearing::<f64, MOST_BALLS>::with_balls(of, BALLS).unwrap());
+        let clamped = |row: &usize| drawn.places[*row].2 != Preload::Spring;
+        let mut shared = vec![0.0; rows];
+        for row in (0..rows).filter(clamped) {
+            shared[row] = weights.between(0.0, 1.0);
+        }
         let case = Case {
             drawn: &drawn,
             bearings: &bearings.collect::<Vec<_>>(),
             shaft: &Shaft::<f64, 2>::new(&drawn.sections, &Material::STEEL).unwrap(),
             speed: Speed::rpm(r.zero_or(0.2, 0.0, 20e3)),
+            shared: &shared,
         };
         let (closures, _, changes) = case.figures(None, drawn.spring);
-        for row in (0..rows).filter(|row| drawn.places[*row].2 != Preload::Spring) {
+        let alone = |row| (0..rows).map(|i| f64::from(i == row)).collect();
+        let each = (0..rows).filter(clamped).map(|row| (row, alone(row)));
+        for (change, weights) in each.chain([(rows, shared.clone())]) {
             let step = 1e-9;
             let [high, low] = [step, -step].map(|by| {
-                let mut closures = closures.clone();
-                closures[row] += by;
-                case.figures(Some(&closures), drawn.spring).1
+                let moved = closures.iter().zip(&weights).map(|(e, w)| e + by * w);
+                case.figures(Some(&moved.collect::<Vec<_>>()), drawn.spring)
+                    .1
             });
-            let off = deviation(&changes[row], [&high, &low], step, [1.0, 1e8, 1e8]);
-            assert!(off < 1e-6, "{number}, row {row} of {rows}: {off}");
+            let off = deviation(&changes[change], [&high, &low], step, [1.0, 1e8, 1e8]);
+            assert!(off < 1e-6, "{number}, {weights:?} of {rows} rows: {off}");
         }
         if let Some(force) = drawn.spring {
             let step = 1e-4 * force;
             let [high, low] = [step, -step].map(|by| case.figures(None, Some(force + by)).1);
-            let off = deviation(&changes[rows], [&high, &low], step, [1e-8, 1.0, 1.0]);
+            let off = deviation(&changes[rows + 1], [&high, &low], step, [1e-8, 1.0, 1.0]);
             assert!(off < 1e-6, "{number}, spring: {off}");
         }
     }
