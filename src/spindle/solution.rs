@@ -362,7 +362,7 @@ impl<'s, T: Real, const R: usize, const N: usize, M: Motion, const D: usize, con
 
     /// Changes of the preloads by those of the forces.
     pub(super) fn preload_changes(&self, forces: &[[T; 5]; R]) -> [T; R] {
-        let axial: [T; R] = self.solved_rows().map(|row| row.force[0]);
+        let axial: [T; R] = from_fn(|i| self.row(i).force[0]);
         let side = |i: usize| usize::from(self.spindle.layout.rows[i].mount.facing < T::ZERO);
         let (mut sides, mut changes) = ([T::ZERO; 2], [T::ZERO; 2]);
         for i in 0..self.spindle.layout.count() {
