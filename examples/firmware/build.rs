@@ -273,14 +273,6 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
             .map(|(channel, um)| (channel, um as f32))
             .collect::<Vec<_>>()
     });
-    let mut faults = String::new();
-    for (fault, changes) in spindle_file::mounting::faults::changes(file)? {
-        write!(
-            faults,
-            "(spindle_monitor::response::Fault::{fault:?}, {}), ",
-            numbers(changes)
-        )?;
-    }
     Ok(writeln!(
         text,
         "/// Whose data are kept over a power cycle: another spindle does not take them.\n\
@@ -290,8 +282,7 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
          /// Channels of the converter that the probes are at, and um per count; none for readings over the port.\n\
          pub const PROBE_CHANNELS: Option<[(usize, f32); PROBES]> = {channels:?};\n\
          /// Settings of the probes.\n\
-         pub static RESPONSE: ResponseSettings<PROBES> =\n\
-         ResponseSettings {{ probes: [{probes}], faults: &[{faults}] }};\n\
+         pub static RESPONSE: ResponseSettings<PROBES> = ResponseSettings {{ probes: [{probes}] }};\n\
          const _: () = assert!(RESPONSE.check().is_ok());",
         file.bearings_checksum(),
         file.displacements_checksum(),

@@ -5,7 +5,7 @@ use crate::alarms::Threshold;
 use crate::command::MOST_PROBES;
 use crate::judgement::{Level, Levels};
 use crate::pairs::{Pairs, TickReadings};
-use crate::response::{Response, fault};
+use crate::response::Response;
 use crate::retained::References;
 use crate::settings::ResponseSettings;
 use crate::telemetry::ProbesReport;
@@ -87,11 +87,9 @@ impl<const P: usize> Probes<P> {
 
     /// Report for the telemetry.
     pub(crate) fn report(&self) -> ProbesReport {
-        let reports = self.response.reports();
         ProbesReport {
-            fault: fault(&reports, self.settings.faults),
             aliased: self.response.is_aliased(),
-            probes: reports.into_iter().collect(),
+            probes: self.response.reports().into_iter().collect(),
         }
     }
 

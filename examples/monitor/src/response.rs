@@ -13,7 +13,6 @@
 //!
 //! A harmonic of the revolution near a multiple of the sampling rate looks like a drift ([`is_aliased`]).
 
-use core::fmt;
 use serde::{Deserialize, Serialize};
 use spindle_bearing::sqrt_f32;
 
@@ -48,10 +47,6 @@ const LEAST: f32 = 0.6;
 const WRONG: u8 = 3;
 /// Twice the pairs for which a value has repeated although it should have moved, until the probe is at fault.
 const STUCK: u8 = 100;
-/// Largest fault that is named, in small ones.
-const FARTHEST: f32 = 20.0;
-/// By this part of the largest change, parts of 1, the changes of a fault bend as it grows.
-const BEND: f32 = 0.1;
 /// No probe measures so far, um: sums of such numbers would not be finite.
 const FARTHEST_READING: f32 = 1e6;
 /// Load steps that a reference needs.
@@ -124,65 +119,6 @@ pub struct ProbeReport {
     pub steps: u32,
     /// Pairs since the last load step.
     pub age: u32,
-}
-
-/// Change of the spindle that ratios tell of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Fault {
-    /// The preload has changed.
-    Preload,
-    /// The contact angle has changed, though the rows are mounted as before.
-    ContactAngle,
-    /// The support of this row has grown softer.
-    Support(u8),
-}
-
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Preload => f.write_str("a change of the preload"),
-            Self::ContactAngle => f.write_str("a change of the contact angle"),
-            Self::Support(row) => write!(f, "a softer support of row {row}"),
-        }
-    }
-}
-
-/// The fault that the changes of the ratios fit, and no other one does.
-///
-/// Each fault has the change of each ratio by a small one, some 5 %. Larger ones are multiples of it, and the more off the
-/// larger they are. All probes that follow the loads are within three errors of that.
-pub fn fault<const P: usize>(
-    reports: &[ProbeReport; P],
-    faults: &[(Fault, [f32; P])],
-) -> Option<Fault> {
-    let mut fitting = faults.iter().filter(|(_, changes)| {
-        let [mut along, mut square] = [0.0; 2];
-        let ratios = || {
-            reports
-                .iter()
-                .zip(changes)
-                .filter(|(report, _)| report.state != State::Probe)
-                .filter_map(|(report, by)| Some((report.ratio?, *by)))
-        };
-        for (ratio, by) in ratios() {
-            let weight = 1.0 / (ratio.error * ratio.error);
-            along += weight * by * (ratio.value - 1.0);
-            square += weight * by * by;
-        }
-        let size = along / square;
-        let largest = ratios().fold(0.0_f32, |most, (_, by)| most.max((size * by).abs()));
-        size * sqrt_f32(square) > ERRORS
-            && size < FARTHEST
-            && ratios().all(|(ratio, by)| {
-                let change = size * by;
-                let bend = BEND * largest * change.abs();
-                (ratio.value - 1.0 - change).abs() < ERRORS * ratio.error + bend
-            })
-    });
-    let (found, _) = fitting.next()?;
-    fitting.all(|(other, _)| other == found).then_some(*found)
 }
 
 /// Whether runout at this speed (rpm) cannot be told from drift at this sampling rate (Hz).

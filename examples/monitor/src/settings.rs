@@ -3,7 +3,7 @@
 use crate::alarms::{Alarm, Rhythm, Threshold};
 use crate::command::MOST_PROBES;
 use crate::plausibility::PlausibilitySettings;
-use crate::response::{self, Fault};
+use crate::response;
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
 use crate::watch::SECOND_US;
@@ -147,16 +147,11 @@ pub struct ProbeSettings {
 pub struct ResponseSettings<const P: usize> {
     /// The probes.
     pub probes: [ProbeSettings; P],
-    /// Faults that may be named, with the change of each ratio by a small one.
-    pub faults: &'static [(Fault, [f32; P])],
 }
 
 impl ResponseSettings<0> {
     /// No probes.
-    pub const NONE: Self = Self {
-        probes: [],
-        faults: &[],
-    };
+    pub const NONE: Self = Self { probes: [] };
 }
 
 impl<const P: usize> ResponseSettings<P> {
@@ -166,7 +161,7 @@ impl<const P: usize> ResponseSettings<P> {
     ///
     /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
-        let (mut positions, mut directions, mut accuracies, mut faults) = (true, true, true, true);
+        let (mut positions, mut directions, mut accuracies) = (true, true, true);
         let mut i = 0;
         while i < P {
             let probe = &self.probes[i];
@@ -177,18 +172,12 @@ impl<const P: usize> ResponseSettings<P> {
             accuracies &= positive(probe.accuracy);
             i += 1;
         }
-        let mut i = 0;
-        while i < self.faults.len() {
-            faults &= all_finite(&self.faults[i].1);
-            i += 1;
-        }
         #[rustfmt::skip]
         let demands = [
             (P <= MOST_PROBES, "probes", "four at most"),
             (positions, "probes.position", "a number of metres"),
             (directions, "probes.direction", "a unit vector"),
             (accuracies, "probes.accuracy", "positive"),
-            (faults, "faults", "numbers"),
         ];
         first_broken(&demands)
     }
@@ -536,16 +525,14 @@ mod tests {
                 direction: [0.0, 0.6, -0.8],
                 accuracy: 0.2,
             }],
-            faults: &[(Fault::Preload, [0.06])],
         };
         assert_eq!(good.check(), Ok(()));
         assert_eq!(ResponseSettings::NONE.check(), Ok(()));
         type Spoil = fn(&mut ResponseSettings<1>);
-        let spoils: [(Spoil, &str); 4] = [
+        let spoils: [(Spoil, &str); 3] = [
             (|s| s.probes[0].position = f32::NAN, "probes.position"),
             (|s| s.probes[0].direction = [0.0; 3], "probes.direction"),
             (|s| s.probes[0].accuracy = 0.0, "probes.accuracy"),
-            (|s| s.faults = &[(Fault::Preload, [f32::NAN])], "faults"),
         ];
         for (spoil, field) in spoils {
             let mut settings = good;

@@ -24,7 +24,7 @@ use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::judgement::{AlarmChange, AlarmState};
 use crate::loads::FrameCounts;
 use crate::marks::Marks;
-use crate::response::{Fault, ProbeReport};
+use crate::response::ProbeReport;
 use crate::retained::{RetentionReport, StartReport};
 use crate::temperature::TemperatureSource;
 use heapless::Vec;
@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::{Frequencies, Limit, LimitSet, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 10;
+pub const VERSION: u8 = 11;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -208,8 +208,6 @@ pub struct RowReport {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbesReport {
-    /// The fault that the ratios of all probes that follow the loads fit, if they fit one alone.
-    pub fault: Option<Fault>,
     /// Runout cannot be told from drift at the speed of now: nothing counts.
     pub aliased: bool,
     /// The probes. Their ages count ticks with a solution.
@@ -524,7 +522,6 @@ mod tests {
             age: u32::MAX,
         };
         Payload::Probes(ProbesReport {
-            fault: Some(Fault::Support(u8::MAX)),
             aliased: true,
             probes: Vec::from_array([probe; MOST_PROBES]),
         })
@@ -869,12 +866,11 @@ mod tests {
             age: 301,
         };
         let probes = Payload::Probes(ProbesReport {
-            fault: Some(Fault::Support(200)),
             aliased: true,
             probes: Vec::from_iter([probe]),
         });
         let of_probes = [
-            &[1, 2, 200, 1, 1, 2, 1],
+            &[1, 1, 2, 1],
             &*floats([1.0, 0.5]),
             &[0xac, 0x02, 0xad, 0x02],
         ]
@@ -897,7 +893,7 @@ mod tests {
             };
             let mut bytes = [0; MESSAGE_LENGTH];
             let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-            let expected = [&[10, 0xac, 0x02, 5, number], &*content].concat();
+            let expected = [&[11, 0xac, 0x02, 5, number], &*content].concat();
             assert_eq!(bytes, expected, "{frame:?}");
         }
     }

@@ -30,10 +30,6 @@ pub struct Sensors {
     pub bridges: Option<Bridges>,
     /// Samples of a tare of the bridges.
     pub tare_samples: u16,
-    /// Loads (N, N m) of a usual cut, by which the faults that probes see are told apart; 0 for none.
-    pub cut: [f32; 5],
-    /// Speed of that cut, rad/s.
-    pub cut_speed: f32,
 }
 
 /// The tachometer's pulses.
@@ -72,8 +68,6 @@ impl Sensors {
         },
         bridges: None,
         tare_samples: 1000,
-        cut: [0.0; 5],
-        cut_speed: 0.0,
     };
 }
 
@@ -149,7 +143,7 @@ fn temperatures(settings: &mut Settings) -> &mut TemperatureSettings {
 
 /// In the order in which they count: rates and overload follow from ranges, and are set after them.
 #[rustfmt::skip]
-const KEYS: [Key; 37] = [
+const KEYS: [Key; 35] = [
     Key("period_ms", MS, [1.0, 10.0], |m, _, _| Time(&mut m.tick.period_us), "", "period of a tick, 1 to 10"),
     Key("loads", PLAIN, ANY, |_, _, _| Target::Bridges, "`\"records\"`", "`\"records\"` come over the port; `\"bridges\"` are at the board, with a tachometer"),
     Key("idle.{load}", LOAD, ANY, |_, s, i| Number(&mut s.idle[i]), "", "{name}, within its plausible range"),
@@ -181,8 +175,6 @@ const KEYS: [Key; 37] = [
     Key("tachometer.standstill_ms", MS, TIME, |_, s, _| Time(&mut s.tachometer.standstill_us), "", "time without a pulse that is a standstill"),
     Key("bridges.counts", ("counts per N, N m", 1.0), ANY, |_, _, _| Target::Bridges, "must be there", "a row of five for each of 5 to 8 bridges: counts by each load alone (`cargo calibrate`)"),
     Key("bridges.tare_samples", PLAIN, SOME, |_, s, _| Count(&mut s.tare_samples), "", "samples of a tare"),
-    Key("cut.{load}", LOAD, ANY, |_, s, i| Number(&mut s.cut[i]), "", "{name}"),
-    Key("cut.speed_rpm", SPEED, [-1e6, 1e6], |_, s, _| Number(&mut s.cut_speed), "", "speed"),
     Key("telemetry.estimate_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.estimate_us), "", "time between estimates"),
     Key("telemetry.balls_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.balls_us), "100 a row, 200 at least", "time between pictures of all balls"),
     Key("telemetry.health_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.health_us), "", "time between reports of health"),
@@ -621,7 +613,7 @@ impl<'t, 'v> Said<'t, 'v> {
         }
     }
 
-    /// Doubts ranges and levels in other units, and ranges that the file's own cut leaves.
+    /// Doubts ranges and levels in other units.
     fn doubt(
         &self,
         designs: &[DesignFile],
@@ -631,7 +623,6 @@ impl<'t, 'v> Said<'t, 'v> {
         let usual = usual(designs).plausibility;
         for (i, (key, _, unit, _)) in LOADS.into_iter().enumerate() {
             let [low, high] = settings.plausibility.load[i].map(|x| short(x.into()));
-            let most = short(settings.overload[i].into());
             let range = format!("plausible.{key}");
             if self.value(&range).is_some() {
                 let usual = RANGES.map(|part| part * f64::from(usual.load[i][1]));
@@ -644,24 +635,8 @@ impl<'t, 'v> Said<'t, 'v> {
                     &question,
                 );
             }
-            let cut = format!("cut.{key}");
-            let Some(value) = self.number(&cut)? else {
-                continue;
-            };
-            let leaves = if !(low..=high).contains(&value) {
-                format!("is plausible from {low} to {high}: records of it are not believed")
-            } else if value.abs() > most {
-                format!("is an overload above {most}: it raises the alarm")
-            } else {
-                continue;
-            };
-            let message = format!(
-                "`{cut}` is {value}, and `{key}` {leaves}; is one of them in another unit?"
-            );
-            doubts.tell(self.place([&cut; 2]), message);
         }
-        let speed = self.number("plausible.speed_rpm")?;
-        if let Some(value) = speed {
+        if let Some(value) = self.number("plausible.speed_rpm")? {
             let [least, most] =
                 SPEEDS.map(|part| (part * f64::from(usual.speed) * 30.0 / PI).round());
             doubts.unusual(
@@ -670,17 +645,6 @@ impl<'t, 'v> Said<'t, 'v> {
                 least..=most,
                 "is it in rpm?",
             );
-        }
-        if let Some(value) = self.number("cut.speed_rpm")? {
-            // By default it is that of fast spindles: the fastest ones are twice as fast.
-            let most = speed.unwrap_or_else(|| short(2.0 * f64::from(usual.speed) * 30.0 / PI));
-            if value.abs() > most {
-                let message = format!(
-                    "`cut.speed_rpm` is {value}, and `plausible.speed_rpm` {most}: records of it are not believed; is one of them in another \
-                     unit?"
-                );
-                doubts.tell(self.place(["cut.speed_rpm"; 2]), message);
-            }
         }
         for alarm in Alarm::ALL {
             let (unit, _) = alarm.unit();

@@ -359,7 +359,7 @@ fn polar(balls: &Balls, scale: f64, name: &str, area: Rect, buffer: &mut Buffer)
 /// Alarms that are about probes.
 const OF_PROBES: [Alarm; 3] = [Alarm::StiffnessLoss, Alarm::StiffnessGain, Alarm::Probe];
 
-/// Measured over computed displacement, a line a probe and one of the fault; none without probes.
+/// Measured over computed displacement, a line a probe; none without probes.
 fn probe_lines(state: &State) -> Vec<Line<'static>> {
     let Some(report) = &state.probes else {
         return Vec::new();
@@ -376,13 +376,9 @@ fn probe_lines(state: &State) -> Vec<Line<'static>> {
         Line::styled(words, flag(is_amiss))
     });
     let mut lines: Vec<_> = probes.collect();
-    let fault = report.fault.map(|fault| format!("the ratios fit {fault}"));
-    let aliased =
-        "runout cannot be told from drift at this speed: readings are not used".to_owned();
-    let words = [fault, report.aliased.then_some(aliased)];
-    let words: Vec<String> = words.into_iter().flatten().collect();
-    if !words.is_empty() {
-        lines.push(format!("   {}", words.join("; ")).into());
+    if report.aliased {
+        let words = "   runout cannot be told from drift at this speed: readings are not used";
+        lines.push(words.into());
     }
     lines
 }

@@ -125,7 +125,6 @@ impl Board {
                 direction: file.probes[i].direction.map(|e| e as f32),
                 accuracy: file.probes[i].accuracy as f32,
             }),
-            faults: &[],
         }));
         let mut monitor = Box::new(Monitor::with_probes(&SPINDLE, &SETTINGS, probes));
         monitor.prepare(IDLE).unwrap();

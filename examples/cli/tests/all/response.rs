@@ -139,21 +139,6 @@ fn a_recording_with_probes_tells_a_loss_of_preload() {
 }
 
 #[test]
-fn a_response_names_the_fault_by_the_cut_of_the_file() {
-    let [fx, fy, fz, my, mz] = CUT;
-    let cut = format!(
-        "[monitor.cut]\nfx_n = {fx}\nfy_n = {fy}\nfz_n = {fz}\nmy_nm = {my}\nmz_nm = {mz}\nspeed_rpm = 12000\n"
-    );
-    let csv = recording(12_007.0, 25, (200.0, 10.0));
-    for (cut, told) in [(&*cut, true), ("", false)] {
-        let spindle = text(250.0, &format!("{PROBES}{cut}"));
-        let (_, said, _) = response(&spindle, &["--commission", "0:10"], &csv, "fault");
-        let line = "replay: at the end, the ratios fit a change of the preload";
-        assert_eq!(said.contains(line), told, "{said}");
-    }
-}
-
-#[test]
 fn a_response_says_what_it_lacks() {
     let csv = recording(30_000.0, 2, (100.0, 8.0));
     let (status, told, text_) =

@@ -14,7 +14,7 @@ use spindle_monitor::Mark;
 use spindle_monitor::board::{BoardReport, Check};
 use spindle_monitor::command::{self, Command, Order, Request};
 use spindle_monitor::judgement::{AlarmChange, AlarmState};
-use spindle_monitor::response::{Fault, ProbeReport, Ratio, State as ProbeState};
+use spindle_monitor::response::{ProbeReport, Ratio, State as ProbeState};
 use spindle_monitor::retained::{Recovery, RetentionReport};
 use spindle_monitor::telemetry::{
     AlarmReport, EstimateReport, HealthReport, HelloReport, Payload, ProbesReport, encode,
@@ -355,16 +355,15 @@ fn any_state_can_be_drawn_on_any_screen() {
 }
 
 #[test]
-fn probes_are_shown_with_their_ratios_and_the_fault_that_fits() {
+fn probes_are_shown_with_their_ratios() {
     let probe = |state, ratio: Option<[f32; 2]>| ProbeReport {
         state,
         ratio: ratio.map(|[value, error]| Ratio { value, error }),
         steps: 46,
         age: 312,
     };
-    let report = |fault, aliased, probes: [ProbeReport; 2]| {
+    let report = |aliased, probes: [ProbeReport; 2]| {
         Payload::Probes(ProbesReport {
-            fault,
             aliased,
             probes: probes.into_iter().collect(),
         })
@@ -380,15 +379,11 @@ fn probes_are_shown_with_their_ratios_and_the_fault_that_fits() {
     );
     (loss.value, loss.limit, loss.place) = (0.0617, 0.05, Some(1));
     let mut payloads = pair();
-    payloads.extend([
-        report(Some(Fault::Support(0)), false, soft),
-        Payload::Alarm(loss),
-    ]);
+    payloads.extend([report(false, soft), Payload::Alarm(loss)]);
     let state = state_of(payloads);
     let known = [
         "probe 0 ok: compliance 100.12 +- 0.41 % of that at commissioning, 46 load steps, last 312 ticks ago",
         "probe 1 stiffness-loss: compliance 106.17 +- 0.08 %",
-        "the ratios fit a softer support of row 0",
         "stiffness-loss  raised",
         " probe 1 ",
     ];
@@ -397,7 +392,7 @@ fn probes_are_shown_with_their_ratios_and_the_fault_that_fits() {
         probe(ProbeState::Learning, None),
         probe(ProbeState::Probe, None),
     ];
-    let state = state_of([report(None, true, unknown)]);
+    let state = state_of([report(true, unknown)]);
     shows(
         &state,
         &[

@@ -19,7 +19,7 @@ use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::pairs::{Pairs, TickReadings};
-use spindle_monitor::response::{ProbeReport, Ratio, Response, State, fault, is_aliased};
+use spindle_monitor::response::{ProbeReport, Ratio, Response, State, is_aliased};
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
 use spindle_monitor::{
@@ -43,13 +43,6 @@ name = \"nose\"
 position_mm = -10
 angle_deg = 0
 accuracy_um = 0.2
-[monitor.cut]
-fx_n = -90
-fy_n = 270
-fz_n = 135
-my_nm = 6.75
-mz_nm = -13.5
-speed_rpm = 12000
 ";
 /// Load of the cut, 50 mm in front of `x = 0`.
 const CUT: [f64; 5] = [-90.0, 270.0, 135.0, 6.75, -13.5];
@@ -62,14 +55,14 @@ const TICK: f64 = 1e-3;
 
 /// The shipped spindle with probes, with a fault.
 fn spindle(fault: Fault) -> SpindleFile {
-    let mut file = parsed(&format!("{FILE}{PROBES}"));
+    let (text, folder) = (
+        format!("{FILE}{PROBES}"),
+        Path::new(SHIPPED).join("../../firmware"),
+    );
+    let file = SpindleFile::parse("spindle.toml", &text, &folder);
+    let mut file = file.unwrap_or_else(|e| panic!("{e}"));
     fault(&mut file.plan);
     file
-}
-
-fn parsed(text: &str) -> SpindleFile {
-    let folder = Path::new(SHIPPED).join("../../firmware");
-    SpindleFile::parse("spindle.toml", text, &folder).unwrap_or_else(|e| panic!("{e}"))
 }
 
 type Fault = fn(&mut Plan);
@@ -506,7 +499,6 @@ static ON_BOARD: ResponseSettings<2> = ResponseSettings {
             accuracy: 0.2,
         },
     ],
-    faults: &[],
 };
 
 /// A monitor with probes, its host, and the commands that it gets.
@@ -762,52 +754,6 @@ fn the_page_has_what_probes_see() {
         let line = format!("| {name} | {x} to {fast_x} | {y} to {fast_y} | {of_five} | {of_one} |");
         assert!(PAGE.contains(&line), "add to the page: {line}");
     }
-}
-
-#[test]
-fn faults_of_a_mounted_preload_are_like_those_of_a_ground_one() {
-    // Supports and shaft yield to the one force and not to the other: 250 N in the place of 225.
-    let mounted = format!("{FILE}{PROBES}").replace("\npreload_n", "\nmounted_preload_n");
-    let [mounted, ground] = [parsed(&mounted), spindle(NONE)].map(|file| {
-        spindle_file::mounting::faults::changes(&file).unwrap_or_else(|e| panic!("{e}"))
-    });
-    assert_eq!(mounted.len(), ground.len());
-    // In their directions, by which they are named.
-    for ((name, a), (_, b)) in mounted.iter().zip(&ground) {
-        let across = (a[0] * b[1] - a[1] * b[0]) / a[0].hypot(a[1]) / b[0].hypot(b[1]);
-        let along = a[0] * b[0] + a[1] * b[1];
-        assert!(along > 0.0 && across.abs() < 0.05, "{name:?}: {a:?} {b:?}");
-    }
-}
-
-#[test]
-fn a_fault_is_named_by_its_direction() {
-    let changes =
-        spindle_file::mounting::faults::changes(&spindle(NONE)).unwrap_or_else(|e| panic!("{e}"));
-    let narrow = |all: &[f64]| [0, 1].map(|i| all[i] as f32);
-    let changes: Vec<_> = changes.iter().map(|(of, all)| (*of, narrow(all))).collect();
-    let named = FAULTS.map(|(_, after)| {
-        let mut last = None;
-        Scene::new(12_007.0, after).run(1, 45, |_, reports| {
-            last = Some(reports);
-            true
-        });
-        fault(&last.expect("a second"), &changes)
-    });
-    use spindle_monitor::response::Fault::{ContactAngle, Preload, Support};
-    // Where more than one fits, none is named.
-    let truth = [Preload; 5]
-        .into_iter()
-        .chain([ContactAngle; 2])
-        .chain([0, 1, 0, 1].map(Support));
-    for (((name, _), found), truth) in FAULTS.iter().zip(named).zip(truth) {
-        println!("{name}: {found:?}");
-        assert!(
-            found.is_none_or(|found| found == truth),
-            "{name}: {found:?}"
-        );
-    }
-    assert_eq!([1, 7].map(|i| named[i]), [Preload, Support(0)].map(Some));
 }
 
 /// `cargo test --profile host -p cli --test host -- --ignored --nocapture figures_of_a_thousand_runs`: some minutes.

@@ -14,7 +14,6 @@ use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
-use spindle_monitor::response::Fault;
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
 use spindle_monitor::{Alarm, Marks, Monitor, MonitorSettings, Order, Readings, ResponseSettings};
@@ -34,24 +33,14 @@ fn monitor_of<const P: usize>(
     let explained = |error: BuildError| file.explain(&error);
     let parts: &'static Parts<f32> = Box::leak(Box::new(Parts::of(&plan).map_err(explained)?));
     let spindle = parts.spindle(&plan).map_err(explained)?;
-    let probes = Box::leak(Box::new(probes_of(file)?));
+    let probes = Box::leak(Box::new(ResponseSettings {
+        probes: from_fn(|i| file.probes[i].settings()),
+    }));
     Ok(Box::new(Monitor::with_probes(
         Box::leak(Box::new(spindle)),
         Box::leak(Box::new(settings)),
         probes,
     )))
-}
-
-/// Settings of the probes of a file.
-fn probes_of<const P: usize>(file: &SpindleFile) -> Result<ResponseSettings<P>> {
-    let faults = spindle_file::mounting::faults::changes(file)?.into_iter();
-    let faults: Vec<(Fault, [f32; P])> = faults
-        .map(|(fault, changes)| (fault, from_fn(|i| changes[i] as f32)))
-        .collect();
-    Ok(ResponseSettings {
-        probes: from_fn(|i| file.probes[i].settings()),
-        faults: faults.leak(),
-    })
 }
 
 /// Runs the monitor over the recording, and writes the alarms to standard output.
@@ -88,7 +77,7 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
     let name = || recording.lock().expect("a reader").file().to_owned();
     let mut ticks = PerTick::new(rows, period_us);
     let (mut source, mut frames) = (FramedLoads::new(), FrameReader::new());
-    let (mut told, mut fault) = (Vec::<String>::new(), None);
+    let mut told = Vec::<String>::new();
     let mut commission = args.response.commission.map(|[_, to]| to);
     ensure!(
         commission.is_none() || P > 0,
@@ -131,7 +120,6 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
                         writeln!(out, "{},{line}", at(frame.time_us)).map_err(output)?;
                     }
                     told = ratios;
-                    fault = report.fault;
                 }
                 Payload::Answer(answer) if answer.outcome != AnswerCode::Done => eprintln!(
                     "replay: at {} s, the probes have no reference: {}; widen --commission",
@@ -168,9 +156,6 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
         eprintln!(
             "replay: the recording ends before {to} s: the probes have no reference; give --commission an earlier end"
         );
-    }
-    if let Some(fault) = fault {
-        eprintln!("replay: at the end, the ratios fit {fault}");
     }
     let recording = recording.lock().expect("a reader");
     for line in recording.account().lines() {

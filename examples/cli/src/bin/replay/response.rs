@@ -13,7 +13,7 @@ use spindle_file::loads::LoadRow;
 use spindle_file::solvers::{AnySolver, Choices};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::Alarm;
-use spindle_monitor::response::{Fault, LEAST_STEPS, Response, fault, is_aliased};
+use spindle_monitor::response::{LEAST_STEPS, Response, is_aliased};
 use spindle_monitor::tick::Core;
 use std::io::Write;
 use std::path::Path;
@@ -47,7 +47,6 @@ pub fn replay(
         !file.probes.is_empty(),
         "--response: {name} has no [[probe]]; add one with name, position_mm and direction"
     );
-    let faults = spindle_file::mounting::faults::changes(file)?;
     let out = place(path).map_err(|error| unwritable(path, &error))?;
     let loads = args.loads.as_deref().unwrap_or(Path::new(""));
     let import = args.recording.import.as_deref();
@@ -118,9 +117,6 @@ pub fn replay(
         loads.file()
     );
     out.finish().map_err(|error| unwritable(path, &error))?;
-    if let Some(fault) = history.fault(&faults) {
-        eprintln!("replay: at the end, the ratios fit {fault}");
-    }
     Ok(summary)
 }
 
@@ -164,9 +160,6 @@ fn solve(solver: &mut dyn AnySolver, file: &SpindleFile, block: &mut [Record]) {
 /// Records in their order.
 trait Take {
     fn take(&mut self, records: &[Record], summary: &mut Summary, text: &mut String);
-
-    /// The fault that the ratios of the last record fit, if they fit one alone.
-    fn fault(&self, faults: &[(Fault, Vec<f64>)]) -> Option<Fault>;
 }
 
 /// History of a spindle with `P` probes.
@@ -311,15 +304,5 @@ impl<const P: usize> Take for History<'_, P> {
             }
             self.add(record, text);
         }
-    }
-
-    fn fault(&self, faults: &[(Fault, Vec<f64>)]) -> Option<Fault> {
-        let reports = self.response.as_ref()?.reports();
-        let narrow = |changes: &[f64]| std::array::from_fn(|i| changes[i] as f32);
-        let faults: Vec<(Fault, [f32; P])> = faults
-            .iter()
-            .map(|(of, changes)| (*of, narrow(changes)))
-            .collect();
-        fault(&reports, &faults)
     }
 }
