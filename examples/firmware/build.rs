@@ -6,11 +6,12 @@
 use spindle_bearing::{Design, Preload, Support};
 use spindle_file::monitors::Sensors;
 use spindle_file::mounting::board;
+use spindle_file::mounting::preload::response;
 use spindle_file::plan::{Plan, Row};
-use spindle_file::probes::Probe;
+use spindle_file::probes::MOST_PROBES;
 use spindle_file::spindles::SpindleFile;
-use spindle_monitor::MonitorSettings;
 use spindle_monitor::tick::Core;
+use spindle_monitor::{MonitorSettings, ResponseSettings};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -262,9 +263,13 @@ fn sensors(text: &mut String, file: &SpindleFile) -> Result<()> {
 }
 
 fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
-    let probes = file.probes.iter().map(Probe::settings);
-    let probes = probes.map(|probe| format!("spindle_monitor::{probe:?}, "));
-    let probes: String = probes.collect();
+    let response = match file.probes.len() {
+        0 => format!("{:?}", ResponseSettings::NONE),
+        1 => format!("{:?}", response::<1>(file)?),
+        2 => format!("{:?}", response::<2>(file)?),
+        3 => format!("{:?}", response::<3>(file)?),
+        _ => format!("{:?}", response::<MOST_PROBES>(file)?),
+    };
     let channels = file.probes.iter().map(|probe| probe.channel);
     let channels: Option<Vec<_>> = channels.collect();
     let channels = channels.filter(|channels| !channels.is_empty());
@@ -282,7 +287,10 @@ fn probes(text: &mut String, file: &SpindleFile) -> Result<()> {
          /// Channels of the converter that the probes are at, and um per count; none for readings over the port.\n\
          pub const PROBE_CHANNELS: Option<[(usize, f32); PROBES]> = {channels:?};\n\
          /// Settings of the probes.\n\
-         pub static RESPONSE: ResponseSettings<PROBES> = ResponseSettings {{ probes: [{probes}] }};\n\
+         pub static RESPONSE: ResponseSettings<PROBES> = {{\n\
+         #[allow(unused_imports, reason = \"a spindle without probes\")]\n\
+         use spindle_monitor::{{ProbeSettings, preload::{{PreloadBy::*, PreloadLaw}}}};\n\
+         {response}\n}};\n\
          const _: () = assert!(RESPONSE.check().is_ok());",
         file.bearings_checksum(),
         file.displacements_checksum(),

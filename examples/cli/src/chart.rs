@@ -62,6 +62,8 @@ pub struct Axis {
     /// Lowest and highest value; the curves', if none are given.
     pub range: Option<(f64, f64)>,
     pub logarithmic: bool,
+    /// Words at 0, 1, 2 and so on, in the place of numbers.
+    pub words: Vec<&'static str>,
 }
 
 impl Axis {
@@ -192,8 +194,10 @@ pub fn svg(chart: &Chart) -> Result<String> {
     }
     let grid = (rows.max(1), columns);
     let areas = root.margin(top, MARGIN, MARGIN, MARGIN).split_evenly(grid);
+    let has_words = chart.panels.iter().any(|panel| !panel.y.words.is_empty());
+    let beside = if has_words { 420 } else { 220 };
     for (panel, area) in chart.panels.iter().zip(areas) {
-        draw_panel(&root, &area, panel, &names)?;
+        draw_panel(&root, &area, panel, (&names, beside))?;
     }
     root.present()?;
     drop(root);
@@ -221,18 +225,29 @@ fn bold(size: i32) -> TextStyle<'static> {
     font.into_font().color(&INK)
 }
 
-fn draw_panel(root: &Area, area: &Area, panel: &Panel, names: &[&str]) -> Result<()> {
+/// Draws a panel, with so much room beside it for the labels of its axis.
+fn draw_panel(
+    root: &Area,
+    area: &Area,
+    panel: &Panel,
+    (names, beside): (&[&str], u32),
+) -> Result<()> {
     let points = || panel.curves.iter().flat_map(|curve| &curve.points);
     let mut plane = ChartBuilder::on(area)
         .caption(&panel.title, bold(54))
         .margin(12)
         .margin_right(70)
         .x_label_area_size(if panel.x.label.is_empty() { 76 } else { 144 })
-        .y_label_area_size(220)
+        .y_label_area_size(beside)
         .build_cartesian_2d(
             Scale::new(&panel.x, points().map(|p| p.0), 0.0),
             Scale::new(&panel.y, points().map(|p| p.1), 0.06),
         )?;
+    let words = &panel.y.words;
+    let label = |y: &f64| match words.get(y.round() as usize) {
+        Some(word) => (*word).to_owned(),
+        None => Scale::format(y),
+    };
     plane
         .configure_mesh()
         .bold_line_style(GRID.stroke_width(2))
@@ -242,7 +257,8 @@ fn draw_panel(root: &Area, area: &Area, panel: &Panel, names: &[&str]) -> Result
         .axis_desc_style(plain())
         .set_all_tick_mark_size(18)
         .x_labels((area.dim_in_pixel().0 / 170).min(10) as usize)
-        .y_labels(7)
+        .y_labels(7.max(words.len()))
+        .y_label_formatter(&label)
         .x_desc(&panel.x.label)
         .y_desc(&panel.y.label)
         .draw()?;
@@ -314,6 +330,8 @@ fn draw(
 /// A straight or logarithmic scale.
 struct Scale {
     logarithmic: bool,
+    /// Words along it, from 0 on.
+    words: u32,
     /// Ends, as powers of ten if it is logarithmic.
     least: f64,
     largest: f64,
@@ -344,6 +362,7 @@ impl Scale {
             .map_or(found, |(least, largest)| (along(least), along(largest)));
         Self {
             logarithmic,
+            words: axis.words.len() as u32,
             least,
             largest,
         }
@@ -368,6 +387,9 @@ impl Ranged for Scale {
     }
 
     fn key_points<H: KeyPointHint>(&self, hint: H) -> Vec<f64> {
+        if self.words > 0 {
+            return (0..self.words).map(f64::from).collect();
+        }
         if !self.logarithmic {
             return RangedCoordf64::from(self.range()).key_points(hint);
         }

@@ -4,13 +4,15 @@
 //! | --- | --- |
 //! | [`recordings`], [`fault`], [`times`] | recorded loads, row by row |
 //! | [`import`], [`propose`], [`quantities`], [`units`] | columns of other programs, described or proposed |
-//! | [`milling_cycle`], [`warm_up`], [`random`] | synthetic recordings |
+//! | [`milling_cycle`], [`warm_up`], [`truth`], [`random`] | synthetic recordings |
 //! | [`replay`], [`lifetime`] | recorded loads through the solver |
+//! | [`board`] | the board's monitor of any spindle on this machine |
 //! | [`telemetry`] | the monitor's telemetry: decoded, simulated, viewed |
 //! | [`stream`] | recordings as a board receives them, with and without faults |
 
 #[cfg(feature = "programs")]
 pub mod arguments;
+pub mod board;
 #[cfg(feature = "full")]
 pub mod chart;
 #[cfg(feature = "programs")]
@@ -34,6 +36,7 @@ pub mod replay;
 pub mod stream;
 pub mod telemetry;
 pub mod times;
+pub mod truth;
 pub mod units;
 pub mod warm_up;
 

@@ -2,13 +2,13 @@
 
 use crate::beat::{self, Cycles};
 use crate::board::{Board, Started};
-use crate::chain::{self, Chain, Sensors, SpindleMonitor};
+use crate::chain::{self, Chain, Sensors, SpindleMonitor, SpindleProbes};
 use crate::dog::{Dog, feed_at_start};
 use crate::flash::{Cells, Flash, Pace};
 use crate::memory;
 use crate::receiver::BAUD;
 use crate::self_check::{KnownSolver, SelfCheck};
-use crate::spindle::{BALLS, BRIDGES, IDENTITY, PERIOD_US, ROWS};
+use crate::spindle::{BALLS, BRIDGES, IDENTITY, PERIOD_US, PROBES, ROWS};
 use core::mem::MaybeUninit;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::retained::WriteError;
@@ -52,7 +52,13 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
     else {
         unreachable!("main runs once, and makes one monitor");
     };
-    let monitor = chain::make(place, &past, B::MONITOR);
+    // Without probes, the linker leaves them out.
+    let probes = if PROBES != 0 {
+        cortex_m::singleton!(: SpindleProbes = chain::probes(B::MONITOR))
+    } else {
+        None
+    };
+    let monitor = chain::make(place, probes, &past, B::MONITOR);
     // The compiler leaves out what is not chosen.
     if BRIDGES
         && !board.lock_step
@@ -64,7 +70,7 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
     }
 }
 
-/// Keeps life, alarms and references over a power cycle, where the board has a memory for them.
+/// Keeps life, alarms and estimates over a power cycle, where the board has a memory for them.
 struct Keeper<C> {
     store: Option<Store<Flash<C>>>,
     pace: Pace,
@@ -84,10 +90,10 @@ impl<C: Cells> Keeper<C> {
                 let (store, past) = recall(cells, cause);
                 let report = store.report();
                 defmt::info!(
-                    "start {=u32}, over the power cycle: life and alarms {=str}, references {=str}, {=u16} damaged records",
+                    "start {=u32}, over the power cycle: life and alarms {=str}, estimates {=str}, {=u16} damaged records",
                     past.start.boots,
                     report.recovery.name(),
-                    report.references.name(),
+                    report.estimates.name(),
                     report.damaged
                 );
                 (Some(store), past)

@@ -17,7 +17,7 @@ use spindle_monitor::retained::NorFlash;
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::HealthReport;
 use spindle_monitor::tick::{CycleCounter, Watchdog};
-use spindle_monitor::{BoardReport, Monitor, Outcome, Past, Readings, Store};
+use spindle_monitor::{BoardReport, Monitor, Outcome, Past, Probes, Readings, Store};
 
 /// Estimates and pictures of balls that wait for a slow link.
 const FRAMES: usize = 12;
@@ -63,18 +63,31 @@ impl Sensors for FramedLoads {
 /// The monitor of the spindle: by far the most of what a board keeps in mind.
 pub type SpindleMonitor = Monitor<ROWS, BALLS, FRAMES, FREEDOMS, JOINTS, PROBES>;
 
-/// The monitor at its beginning, for a host; a board's stack has no room to return it.
-pub fn monitor(past: &Past, settings: &'static MonitorSettings<ROWS>) -> SpindleMonitor {
-    Monitor::with_probes(&SPINDLE, settings, &RESPONSE).with_past(past)
+/// Its probes.
+pub type SpindleProbes = Probes<PROBES>;
+
+/// The probes at their beginning.
+pub fn probes(settings: &MonitorSettings<ROWS>) -> SpindleProbes {
+    Probes::new(&RESPONSE, &settings.alarms, settings.tick.period_us)
 }
 
-/// Makes the monitor in its place, with the data that was kept over a power cycle.
+/// The monitor at its beginning, for a host; a board's stack has no room to return it.
+pub fn monitor(
+    probes: &'static mut SpindleProbes,
+    past: &Past,
+    settings: &'static MonitorSettings<ROWS>,
+) -> SpindleMonitor {
+    Monitor::with_probes(&SPINDLE, settings, probes).with_past(past)
+}
+
+/// Makes the monitor in its place, with the data that was kept over a power cycle, and with probes if the spindle has some.
 pub fn make<'m>(
     place: &'m mut MaybeUninit<SpindleMonitor>,
+    probes: Option<&'static mut SpindleProbes>,
     past: &Past,
     settings: &'static MonitorSettings<ROWS>,
 ) -> &'m mut SpindleMonitor {
-    let monitor = Monitor::make(place, &SPINDLE, settings, &RESPONSE);
+    let monitor = Monitor::make(place, &SPINDLE, settings, probes);
     monitor.set_past(past);
     monitor
 }

@@ -129,12 +129,14 @@ alarms! {
     Availability = 10, "availability", PERCENT "% of ticks without a fresh estimate", 10.0, 5.0, None, 0, true, Tick;
     /// Ticks miss their deadline: how many within the last second or two.
     Deadline = 11, "deadline", PLAIN "ticks missed in two seconds", 10.0, 5.0, None, 0, true, Tick;
-    /// The spindle is more compliant than at commissioning: measured over computed displacement at a probe, less 1.
-    StiffnessLoss = 12, "stiffness-loss", PERCENT "% more displacement at a probe than at commissioning", 5.0, 4.0, None, 0, true, Block;
-    /// The spindle is stiffer than at commissioning: 1 less that ratio.
-    StiffnessGain = 13, "stiffness-gain", PERCENT "% less displacement at a probe than at commissioning", 5.0, 4.0, None, 0, true, Block;
+    /// A probe sees more motion than at commissioning, which the preload does not explain: change of its gain, part of 1.
+    StiffnessLoss = 12, "stiffness-loss", PERCENT "% more motion at a probe than preload explains", 5.0, 4.0, None, 0, true, Block;
+    /// A probe sees less motion than at commissioning, which the preload does not explain.
+    StiffnessGain = 13, "stiffness-gain", PERCENT "% less motion at a probe than preload explains", 5.0, 4.0, None, 0, true, Block;
     /// A probe does not follow the loads: 1, else 0.
     Probe = 14, "probe", PLAIN "1 for a probe that does not follow the loads, else 0", 0.5, 0.25, None, 0, true, Block;
+    /// The preload has changed since commissioning, in either direction: part of 1.
+    PreloadChange = 15, "preload-change", PERCENT "% of change of the preload since commissioning", 15.0, 10.0, None, 0, true, Block;
 }
 
 impl Alarm {

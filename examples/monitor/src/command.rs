@@ -68,11 +68,11 @@ pub enum Order {
         /// How often it had been raised ([`AlarmReport::raised`](crate::telemetry::AlarmReport::raised)).
         raised: u32,
     },
-    /// The bearing was replaced by a new one of the same design: forget the life used, and the reference of the probes.
+    /// The bearing was replaced by a new one of the same design: forget the life used, and the estimates of the probes.
     ReplaceBearing,
     /// The shaft stands still, though its speed was lost.
     ShaftStands,
-    /// The spindle is as it should be: the ratios so far are the reference of the probes.
+    /// The spindle is as it should be: preload and gains of now are those of commissioning.
     Commission,
 }
 
@@ -99,8 +99,8 @@ pub enum AnswerCode {
     NotInService,
     /// The alarm was raised again since, or not so often yet, or in another start.
     NoSuchOccurrence,
-    /// A probe has seen too few load steps ([`LEAST_STEPS`](crate::response::LEAST_STEPS)), or does not follow them, or there is none.
-    TooFewSteps,
+    /// The probes are still learning, or there are none.
+    Learning,
 }
 
 impl AnswerCode {
@@ -110,7 +110,7 @@ impl AnswerCode {
         Self::NotAtStandstill,
         Self::NotInService,
         Self::NoSuchOccurrence,
-        Self::TooFewSteps,
+        Self::Learning,
     ];
 
     /// Short name in lower case, as tables print it.
@@ -120,7 +120,7 @@ impl AnswerCode {
             Self::NotAtStandstill => "not-at-standstill",
             Self::NotInService => "not-in-service",
             Self::NoSuchOccurrence => "no-such-occurrence",
-            Self::TooFewSteps => "too-few-steps",
+            Self::Learning => "learning",
         }
     }
 }

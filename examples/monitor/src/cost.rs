@@ -16,6 +16,8 @@ impl CycleCost {
         ball_look: 1_075,
         ball_report: 1_170,
         probe: 2_500,
+        ball_slopes: 1_000,
+        filter: 60,
     };
     /// Cortex-M7, likewise.
     pub const CORTEX_M7: Self = Self {
@@ -28,6 +30,8 @@ impl CycleCost {
         ball_look: 610,
         ball_report: 680,
         probe: 1_500,
+        ball_slopes: 700,
+        filter: 40,
     };
 }
 

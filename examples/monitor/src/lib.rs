@@ -8,7 +8,7 @@
 //! | plausibility | [`plausibility`], [`temperature`] | a good sample, or the [`marks`] of its doubts |
 //! | solve | [`tick`], `tracker` | an equilibrium, in the time that ticks have |
 //! | levels | `watch` | a level for each alarm |
-//! | response | [`pairs`], [`response`] | measured over computed displacement at the probes |
+//! | probes | [`pairs`], [`revolutions`], [`blocks`], [`estimator`], [`preload`] | the preload that the spindle has, and each probe's gain |
 //! | alarms | [`alarms`], [`judgement`] | their list; alarms that latch |
 //! | life | [`life`] | rating life used up |
 //! | reports | `reports`, [`outbox`], [`telemetry`] | frames for a host |
@@ -103,9 +103,11 @@ extern crate std;
 
 mod accuracy;
 pub mod alarms;
+pub mod blocks;
 pub mod board;
 pub mod command;
 mod cost;
+pub mod estimator;
 pub mod framing;
 mod in_place;
 pub mod judgement;
@@ -118,11 +120,12 @@ pub mod mock;
 pub mod outbox;
 pub mod pairs;
 pub mod plausibility;
+pub mod preload;
 mod probes;
 pub mod record;
 mod reports;
-pub mod response;
 pub mod retained;
+pub mod revolutions;
 pub mod self_check;
 pub mod settings;
 pub mod telemetry;
@@ -138,6 +141,7 @@ pub use judgement::{AlarmState, Changes, Judgement};
 pub use life::Life;
 pub use marks::{Mark, Marks};
 pub use plausibility::{GoodSample, Readings};
+pub use probes::Probes;
 pub use retained::{Identity, Past, Store};
 pub use settings::{
     MonitorSettings, ProbeSettings, ResponseSettings, RowSettings, SettingsError, ShaftSettings,
@@ -155,10 +159,9 @@ use judgement::Levels;
 use loads::FrameCounts;
 use outbox::Outbox;
 use plausibility::Plausibility;
-use probes::Probes;
 use reports::Reports;
 use spindle_bearing::{Growth, RatingLife, RowSummary, Spindle, Status};
-use telemetry::{HealthReport, Payload};
+use telemetry::{HealthReport, Payload, ProbesReport};
 use temperature::Temperatures;
 use tick::{CycleCounter, SolveTime, Ticker, Watchdog};
 use tracker::{Ended, Purpose, Task, Tracker};
@@ -228,7 +231,8 @@ pub struct Monitor<
     estimate: Option<Estimate>,
     ticker: Ticker,
     watch: Watch<R>,
-    probes: Probes<P>,
+    /// None without probes, of which then nothing is in an image.
+    probes: Option<&'static mut Probes<P>>,
     alarms: Judgement,
     life: Life,
     reports: Reports<R, N, FRAMES>,
@@ -248,7 +252,7 @@ impl<const R: usize, const N: usize, const FRAMES: usize, const D: usize, const 
         spindle: &'static Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,
     ) -> Self {
-        Self::with_probes(spindle, settings, &ResponseSettings::NONE)
+        in_place::value(|place| Self::make(place, spindle, settings, None))
     }
 }
 
@@ -266,9 +270,9 @@ impl<
     pub fn with_probes(
         spindle: &'static Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,
-        probes: &'static ResponseSettings<P>,
+        probes: &'static mut Probes<P>,
     ) -> Self {
-        in_place::value(|place| Self::make(place, spindle, settings, probes))
+        in_place::value(|place| Self::make(place, spindle, settings, Some(probes)))
     }
 
     /// Makes [`Monitor::with_probes`] in its place.
@@ -279,7 +283,7 @@ impl<
         place: &'m mut MaybeUninit<Self>,
         spindle: &'static Spindle<'static, f32, R, N, D, E>,
         settings: &'static MonitorSettings<R>,
-        probes: &'static ResponseSettings<P>,
+        probes: Option<&'static mut Probes<P>>,
     ) -> &'m mut Self {
         in_place!(place, { tracker <- |place| Tracker::make(place, spindle), }, {
             settings: settings,
@@ -289,7 +293,7 @@ impl<
             ticker: Ticker::new(&settings.tick, spindle.ball_counts()),
             reports: Reports::new(spindle, settings),
             watch: Watch::new(spindle.ball_counts(), spindle.facings()),
-            probes: Probes::new(probes, &settings.alarms, settings.tick.period_us),
+            probes: probes,
             waiting: None,
             estimate: None,
             alarms: Judgement::default(),
@@ -312,7 +316,9 @@ impl<
         self.alarms.latch(past.start.alarms);
         self.life = Life::resume(past.life.0, past.life.1);
         self.reports.set_past(past);
-        self.probes.set_past(&past.references);
+        if let Some(probes) = self.probes() {
+            probes.restore(past.estimates.as_ref());
+        }
     }
 
     /// An operator wants something. A tick carries it out, unless it is out of place, and answers in the telemetry. `service`
@@ -359,16 +365,18 @@ impl<
             }
             Order::ReplaceBearing if self.replace_bearing(time_us) => AnswerCode::Done,
             Order::ReplaceBearing => AnswerCode::NotAtStandstill,
-            Order::Commission if self.probes.response.commission() => AnswerCode::Done,
-            Order::Commission => AnswerCode::TooFewSteps,
+            Order::Commission => match self.probes().is_some_and(Probes::commission) {
+                true => AnswerCode::Done,
+                false => AnswerCode::Learning,
+            },
         }
     }
 
     /// Has a store keep new data. To be called between ticks, as often as one likes; it is the store that
     /// writes, by [`Store::step`].
     pub fn retain<F: NorFlash>(&mut self, time_us: u64, store: &mut Store<F>) {
-        let references = self.probes.references();
-        store.look(time_us, &self.alarms, &self.life, &references);
+        let estimates = self.seen().and_then(Probes::kept);
+        store.look(time_us, &self.alarms, &self.life, estimates);
         self.counts.retention = store.report();
     }
 
@@ -378,8 +386,39 @@ impl<
     }
 
     /// Notes the displacements (um) that the probes measured with the loads of the next tick; none of a probe that gave no value.
-    pub const fn note_displacements(&mut self, measured: [Option<f32>; P]) {
-        self.probes.measured = measured;
+    pub fn note_displacements(&mut self, measured: [Option<f32>; P]) {
+        if let Some(probes) = self.probes() {
+            probes.note(measured);
+        }
+    }
+
+    /// The probes; none without. The compiler knows it, too.
+    fn probes(&mut self) -> Option<&mut Probes<P>> {
+        self.probes.as_deref_mut().filter(|_| P > 0)
+    }
+
+    /// The probes.
+    fn seen(&self) -> Option<&Probes<P>> {
+        self.probes.as_deref().filter(|_| P > 0)
+    }
+
+    /// Report on the probes, as the telemetry has it; none without.
+    pub fn probes_report(&self) -> Option<ProbesReport> {
+        self.seen().map(|probes| probes.report(&self.alarms))
+    }
+
+    /// Whether the probes are commissioned.
+    pub fn is_commissioned(&self) -> bool {
+        self.seen()
+            .is_some_and(|probes| probes.estimator().is_commissioned())
+    }
+
+    /// Has the probes begin from the prior, and not end commissioning before this time, us.
+    pub fn learn(&mut self, not_before_us: u64) {
+        let tick = self.ticker.ticks();
+        if let Some(probes) = self.probes() {
+            probes.forget(tick, not_before_us);
+        }
     }
 
     /// Takes the board's report on itself. Changes, but for the stack, are reported in the next tick.
@@ -389,8 +428,8 @@ impl<
 
     /// Has a store keep life, alarms and references at once, since the supply is about to go ([`Store::power_fails`]).
     pub fn power_fails<F: NorFlash>(&self, time_us: u64, store: &mut Store<F>) -> bool {
-        let references = self.probes.references();
-        store.power_fails(time_us, &self.alarms, &self.life, &references)
+        let estimates = self.seen().and_then(Probes::kept);
+        store.power_fails(time_us, &self.alarms, &self.life, estimates)
     }
 
     /// The spindle has a new bearing of the same design, with all of its life before it, and is to be commissioned. Only while the
@@ -400,7 +439,7 @@ impl<
         let stands_still = self.plausibility.stands_still(time_us, oldest_us);
         if stands_still {
             self.life = self.life.renewed();
-            self.probes.response.set_references([None; P]);
+            self.learn(0);
         }
         stands_still
     }
@@ -464,6 +503,12 @@ impl<
         let passed = self.tracker.rows_passed();
         let mut time = self.ticker.solve_time(counter, passed);
         let solved = self.solve(&mut time, &mut levels);
+        if let Some(probes) = self.probes.as_deref_mut().filter(|_| P > 0)
+            && probes.has_step()
+            && time.has_a_step()
+        {
+            probes.take_step(time_us, tick);
+        }
         let rows = time.rows();
 
         let mut marks = doubts;
@@ -479,12 +524,11 @@ impl<
         // A tick knows how long it took when it is over: the next one judges it.
         let sees = [doubts.is_empty(), fresh, self.late];
         let missed = self.ticker.missed();
-        if P > 0 {
-            // Without a speed, blocks end: they have no gap.
-            let speed = self.plausibility.undoubted_speed();
-            let speed = speed.filter(|_| missed == missed_before);
-            let load = good.map(|good| good.load);
-            self.probes.tick(tick, speed, load, &mut levels);
+        // Without a speed, blocks end: they have no gap, and no temperature that nobody measures.
+        let speed = self.plausibility.undoubted_speed();
+        let speed = speed.filter(|_| missed == missed_before && self.temperatures.are_measured());
+        if let Some(probes) = self.probes() {
+            probes.tick(tick, speed, good.map(|good| good.load), &mut levels);
         }
         self.watch.tick(time_us, sees, missed, &mut levels);
 
@@ -492,15 +536,17 @@ impl<
         let changes = self
             .alarms
             .judge(time_us, &levels, &settings.alarms, due_us);
+        if let Some(probes) = self.probes() {
+            probes.keep(time_us, &changes);
+        }
         let alarms = (&self.alarms, &changes);
         self.reports.send(time_us, (tick, marks), alarms, settings);
         if self.reports.wants_health(time_us, settings) {
             let health = self.health();
             self.counts.marks = Marks::new();
             self.reports.outbox.post(time_us, Payload::Health(health));
-            if P > 0 {
-                let report = Payload::Probes(self.probes.report());
-                self.reports.outbox.post(time_us, report);
+            if let Some(report) = self.probes_report() {
+                self.reports.outbox.post(time_us, Payload::Probes(report));
             }
         }
         self.late = self.ticker.finish(counter, watchdog);
@@ -601,10 +647,13 @@ impl<
             Some(settings) => self.temperatures.used().map(|t| t - settings.reference),
             None => [0.0; 2],
         };
-        for (known, row) in self.growth.iter_mut().zip(&self.settings.rows) {
+        let probes = self.probes.as_deref().filter(|_| P > 0);
+        for (i, (known, row)) in self.growth.iter_mut().zip(&self.settings.rows).enumerate() {
             let [per_inner, per_outer] = row.heat;
             let turning = row.rotation * (speed * speed);
-            let grown = row.growth + turning + per_inner * inner + per_outer * outer;
+            let mut grown = row.growth + turning + per_inner * inner + per_outer * outer;
+            // A closure is a growth along the axis.
+            grown.axial += probes.map_or(0.0, |probes| probes.closure(i));
             let differs = |a: f32, b: f32| (a - b).abs() > GROWTH_STEP;
             if differs(grown.axial, known.axial)
                 || differs(grown.radial, known.radial)
@@ -665,6 +714,19 @@ impl<
         let Some(rows) = ended.all() else {
             return false;
         };
+        let is_estimate = matches!(task.purpose, Purpose::Estimate);
+        if is_estimate
+            && let Some(probes) = self.probes.as_deref_mut().filter(|_| P > 0)
+            && probes.wants_look(task.tick)
+        {
+            if !time.has_slopes() {
+                self.tracker.ended = Some(ended);
+                return is_new;
+            }
+            let tick = task.tick;
+            self.tracker
+                .look(task, self.settings, |solution| probes.look(tick, solution));
+        }
         if !self.reports.wants_something() {
             return is_new;
         }
@@ -700,7 +762,8 @@ impl<
             }
             solution.share(rows);
             let is_estimate = matches!(task.purpose, Purpose::Estimate);
-            let computed = is_estimate.then(|| self.probes.computed(solution));
+            let probes = self.seen().filter(|_| is_estimate);
+            let computed = probes.map(|probes| probes.computed(solution));
             Some((solution.status, computed.unwrap_or([0.0; P])))
         })
     }
@@ -731,9 +794,8 @@ impl<
             time_us: task.sample.time_us,
             tick: task.tick,
         });
-        if P > 0 {
-            let load = &task.sample.load;
-            self.probes.pairs.solved(task.tick, load, computed);
+        if let Some(probes) = self.probes() {
+            probes.solved(task.tick, &task.sample.load, computed);
         }
         true
     }

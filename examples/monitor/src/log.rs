@@ -27,7 +27,7 @@ use crate::framing::{CHECKSUM, CHECKSUM_LENGTH};
 pub use embedded_storage::nor_flash::NorFlash;
 
 /// Bytes of a record's payload.
-pub const PAYLOAD: usize = 72;
+pub const PAYLOAD: usize = 88;
 /// Attempts to write a copy.
 pub const ATTEMPTS: u8 = 3;
 

@@ -11,13 +11,12 @@
 //! The changes `dp` and `dF` are those from the solve before. This is Broyden's update: between both loads, `p` is the chord of
 //! both equilibria.
 
-use crate::response::Response;
+use crate::blocks::{Blocks, dot, forces};
+use crate::estimator::Step;
 use heapless::Deque;
 
 /// Ticks that wait: two solves of four ticks. Beyond, a tick has nothing computed.
 const MOST: usize = 8;
-/// A moment counts as a force so far away, 1/m: 50 mm, as at a tool.
-const PER_ARM: f32 = 20.0;
 /// Changes of the loads below this one, N, hardly count: their displacement has the solver's error.
 const LEAST: f32 = 3.0;
 
@@ -70,15 +69,15 @@ impl<const P: usize> Secant<P> {
     }
 }
 
-/// Readings of a tick.
+/// Readings of a tick. They are not numbers where they are missing or not believed.
 #[derive(Debug, Clone)]
 pub struct TickReadings<const P: usize> {
-    /// Speed, rpm; none if it is not believed.
-    pub rpm: Option<f32>,
-    /// Loads, N, N m; none if they are not believed.
-    pub load: Option<[f32; 5]>,
-    /// Measured displacements, um; none of a probe that gave no value.
-    pub measured: [Option<f32>; P],
+    /// Speed, rpm.
+    pub rpm: f32,
+    /// Loads, N, N m.
+    pub load: [f32; 5],
+    /// Measured displacements, um.
+    pub measured: [f32; P],
 }
 
 /// Ticks that wait for a solve, and what the newest solves say.
@@ -107,18 +106,24 @@ impl<const P: usize> Pairs<P> {
         self.solved = Some(tick);
     }
 
-    /// Takes the readings of a tick, the one after the last. Hands the pairs of ticks up to the solved one on to `response`; whether
-    /// one of them was the last of a block.
+    /// Forgets what the solves have said: they have learnt another preload. Ticks that wait have nothing computed.
+    pub fn forget(&mut self) {
+        (self.secant, self.solved) = (Secant::default(), None);
+        self.waiting.clear();
+    }
+
+    /// Takes the readings of a tick, the one after the last. Hands the pairs of ticks up to the solved one on to the blocks; whether
+    /// one of them was the last of a block, and the load step that is complete then.
     pub fn tick(
         &mut self,
         tick: u64,
         readings: TickReadings<P>,
-        response: &mut Response<P>,
-    ) -> bool {
-        let mut is_last = false;
+        blocks: &mut Blocks<P>,
+    ) -> Option<Option<Step<P>>> {
+        let mut ended = None;
         if let Err(readings) = self.waiting.push_back(readings) {
             if let Some(TickReadings { rpm, measured, .. }) = self.waiting.pop_front() {
-                is_last = response.tick(rpm, None, measured);
+                ended = blocks.tick(rpm, None, &measured);
             }
             let _ = self.waiting.push_back(readings);
         }
@@ -128,29 +133,40 @@ impl<const P: usize> Pairs<P> {
         while self.waiting.len() as u64 > since
             && let Some(ready) = self.waiting.pop_front()
         {
-            let computed = ready.load.and_then(|load| self.secant.at(&load));
-            is_last |= response.tick(ready.rpm, computed, ready.measured);
+            let computed = self.secant.at(&ready.load);
+            let ended_now = blocks.tick(
+                ready.rpm,
+                computed.map(|u| (&ready.load, u)),
+                &ready.measured,
+            );
+            ended = ended_now.or(ended);
         }
-        is_last
+        ended
     }
-}
-
-/// Loads with their moments as forces.
-fn forces([x, y, z, my, mz]: &[f32; 5]) -> [f32; 5] {
-    [*x, *y, *z, PER_ARM * my, PER_ARM * mz]
 }
 
 fn difference(a: &[f32; 5], b: &[f32; 5]) -> [f32; 5] {
     core::array::from_fn(|i| a[i] - b[i])
 }
 
-fn dot(a: &[f32; 5], b: &[f32; 5]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocks::Look;
+    use crate::settings::{ProbeSettings, ResponseSettings};
+
+    static SETTINGS: ResponseSettings<1> = ResponseSettings {
+        probes: [ProbeSettings {
+            position: -0.01,
+            direction: [0.0, 1.0, 0.0],
+            accuracy: 0.2,
+            compliance: [0.05, 0.5],
+        }],
+        preload: None,
+        heat: 0.0,
+        load_error: 0.02,
+        gain: 0.1,
+    };
 
     #[test]
     fn between_solves_displacements_follow_the_loads() {
@@ -178,7 +194,8 @@ mod tests {
     fn each_tick_has_its_pair_once_if_solves_take_up_to_four_ticks() {
         for (ticks, share) in [(1, 1.0), (4, 1.0), (20, 0.0)] {
             let mut pairs = Pairs::<1>::default();
-            let mut response = Response::new([0.2], 1000.0, [0.05; 2]);
+            let mut blocks = Blocks::new(&SETTINGS, 1000.0);
+            let mut steps = 0.0;
             let mut begun: Option<(u64, [f32; 5])> = None;
             for tick in 0..4000_u64 {
                 let cut = if tick % 1000 < 500 { 270.0 } else { 0.0 };
@@ -188,13 +205,16 @@ mod tests {
                     pairs.solved(tick, &load, [0.05 * load[1]]);
                 }
                 let readings = TickReadings {
-                    rpm: Some(12_000.0),
-                    load: Some(load),
-                    measured: [Some(0.06 * cut)],
+                    rpm: 12_000.0,
+                    load,
+                    measured: [0.06 * cut],
                 };
-                pairs.tick(tick, readings, &mut response);
+                if tick % 10 == 0 {
+                    blocks.look(&[Look::default()]);
+                }
+                let ended = pairs.tick(tick, readings, &mut blocks);
+                steps += f32::from(u8::from(ended.flatten().is_some()));
             }
-            let steps = response.reports()[0].steps as f32;
             assert_eq!(steps, 7.0 * share, "{ticks} ticks a solve");
         }
     }

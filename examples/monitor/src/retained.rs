@@ -1,4 +1,4 @@
-//! Data that the monitor keeps over a power cycle: life used, alarms, references of the probes, number of starts.
+//! Data that the monitor keeps over a power cycle: life used, alarms, estimates of the probes, number of starts.
 //!
 //! [`Store::open`] reads the [`Past`] before ticks begin. [`Monitor::retain`](crate::Monitor::retain) sees changes, and
 //! [`Store::step`] writes them between ticks, one unit of the flash at a time. The flash is whatever implements
@@ -10,14 +10,14 @@
 //! | --- | --- |
 //! | life used, revolutions | every two minutes, if either has grown by a 64th of its growth since the start; at once for a new bearing |
 //! | alarms not acknowledged | within a second, 10 s apart |
-//! | references of the probes | within a second |
+//! | estimates of the probes | within a second, when commissioned and when an alarm of theirs changes; once a day |
 //! | number of starts, cause of the reset | at every start |
 //!
 //! How often each alarm was raised is kept along with them. The tare is not kept: it drifts, and a shaft stands still when
 //! power comes on, so that it is taken again.
 //!
 //! Life and alarms belong to the bearings of a spindle ([`Identity`]). With other bearings life begins at 0 without alarms, and the
-//! number of starts goes on. References belong to all that the displacements computed at the probes depend on, too: with another
+//! number of starts goes on. Estimates belong to all that the displacements computed at the probes depend on, too: with another
 //! support, preload or probe they alone are gone.
 //! With a record of another [`VERSION`] all of it begins at 0.
 //!
@@ -25,26 +25,24 @@
 //! start. With a cut every nine minutes, that is a ninth. Cuts every two minutes lose everything. A board that is
 //! warned of the cut loses nothing: see [`Store::power_fails`].
 //!
-//! **How long it lasts.** Halves of 128 KiB have 1,638 slots of 80 bytes, or 1,365 of 96 with units of 32. At least half of them
-//! are free after a start. Without a restart, `n` slots last for `128 min (64/63)^(n - 64)`: 682 for 4 years, 819 for 35.
+//! **How long it lasts.** Halves of 128 KiB have 1,365 slots of 96 bytes. At least half of them are free after a start. Without a restart,
+//! `n` slots last for `128 min (64/63)^(n - 64)`: 682 for 4 years.
 //! A full log keeps what it has, and [`RetentionReport::failed`] counts the rest. Eight hours a day are 150 records, and wear
 //! halves of 1,365 slots out in 130 years, at 10,000 erases. Power cuts every two minutes, day and night, wear them out
 //! in 13 years, a reset every second in 79 days.
 
 use crate::alarms::Alarm;
 use crate::board::ResetCause;
-use crate::command::MOST_PROBES;
+use crate::estimator::{KEPT, Kept};
 use crate::judgement::Judgement;
 use crate::life::Life;
 use crate::log::{Log, PAYLOAD};
 pub use crate::log::{NorFlash, WriteError};
-use crate::response::Ratio;
-use core::array::from_fn;
 use enumset::EnumSet;
 use serde::{Deserialize, Serialize};
 
 /// Version of the records. Alarms are kept by their place in [`Alarm::ALL`].
-pub const VERSION: u8 = 6;
+pub const VERSION: u8 = 7;
 
 /// Shortest time between two records for the life alone, us.
 pub const LIFE_US: u64 = 120_000_000;
@@ -68,7 +66,7 @@ pub enum Recovery {
     Blank,
     /// The newest undamaged record goes on.
     Recovered,
-    /// The record is of another spindle: life begins at 0 without alarms, or there are no references; the number of starts goes on.
+    /// The record is of another spindle: life begins at 0 without alarms, or there are no estimates; the number of starts goes on.
     OtherSpindle,
     /// The record is of another version of the monitor.
     OtherVersion,
@@ -106,8 +104,8 @@ impl Recovery {
 pub struct RetentionReport {
     /// Recovery of life and alarms.
     pub recovery: Recovery,
-    /// Recovery of the probes' references.
-    pub references: Recovery,
+    /// Recovery of the probes' estimates.
+    pub estimates: Recovery,
     /// Damaged records that were met at the start, such as one that the power was lost in.
     pub damaged: u16,
     /// Copies of records written since the start, two of each record.
@@ -130,14 +128,6 @@ pub struct StartReport {
     pub raised: [u8; Alarm::COUNT],
 }
 
-/// Ratios of the probes at commissioning, none of a probe without one.
-pub type References = [Option<Ratio>; MOST_PROBES];
-
-/// Unit in which a record has the standard error of a reference.
-const ERROR_UNIT: f32 = 1e-5;
-/// Bytes of a reference in a record: its ratio, 0 for none, and the error.
-const REFERENCE: usize = size_of::<f32>() + size_of::<u16>();
-
 /// Data kept from earlier starts.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -146,8 +136,8 @@ pub struct Past {
     pub life: (u64, u64),
     /// This start, with the alarms of earlier ones.
     pub start: StartReport,
-    /// References of the probes.
-    pub references: References,
+    /// Estimates of the probes, once they were commissioned.
+    pub estimates: Option<Kept>,
 }
 
 impl Past {
@@ -159,24 +149,11 @@ impl Past {
     }
 
     /// Payload of a record, numbers little-endian: version, cause, alarms, bearings, life, starts, times raised,
-    /// displacements, references.
+    /// displacements, estimates.
     fn encode(&self, identity: Identity) -> [u8; PAYLOAD] {
         let (used, revolutions) = self.life;
         let start = &self.start;
-        let mut references = [[0; REFERENCE]; MOST_PROBES];
-        for (bytes, Ratio { value, error }) in references
-            .iter_mut()
-            .zip(&self.references)
-            .filter_map(|(bytes, ratio)| Some((bytes, (*ratio)?)))
-        {
-            // A cast stops at the largest number.
-            let error = ((error / ERROR_UNIT + 0.5) as u16).max(1);
-            let parts = value.to_le_bytes().into_iter().chain(error.to_le_bytes());
-            bytes
-                .iter_mut()
-                .zip(parts)
-                .for_each(|(to, from)| *to = from);
-        }
+        let estimates = self.estimates.map_or([0; KEPT], |Kept(kept)| kept);
         let parts: [&[u8]; 9] = [
             &[VERSION, start.cause as u8],
             &start.alarms.as_repr().to_le_bytes(),
@@ -186,7 +163,7 @@ impl Past {
             &start.boots.to_le_bytes(),
             &start.raised,
             &identity.displacements.to_le_bytes(),
-            references.as_flattened(),
+            &estimates,
         ];
         let mut payload = [0; PAYLOAD];
         for (to, from) in payload.iter_mut().zip(parts.into_iter().flatten()) {
@@ -205,16 +182,7 @@ impl Past {
         let (boots, rest) = rest.split_first_chunk()?;
         let (raised, rest) = rest.split_first_chunk()?;
         let (displacements, rest) = rest.split_first_chunk()?;
-        let (ratios, _) = rest.split_first_chunk::<{ MOST_PROBES * REFERENCE }>()?;
-        let (ratios, _) = ratios.as_chunks::<REFERENCE>();
-        let ratio = |[a, b, c, d, error @ ..]: [u8; REFERENCE]| Ratio {
-            value: f32::from_le_bytes([a, b, c, d]),
-            error: f32::from(u16::from_le_bytes(error)) * ERROR_UNIT,
-        };
-        let references = from_fn(|i| {
-            let ratio = ratio(*ratios.get(i)?);
-            (ratio.value.is_finite() && ratio.value > 0.0).then_some(ratio)
-        });
+        let (estimates, _) = rest.split_first_chunk()?;
         let causes = ResetCause::ALL.get(usize::from(cause));
         let past = Self {
             life: (u64::from_le_bytes(*used), u64::from_le_bytes(*revolutions)),
@@ -224,7 +192,7 @@ impl Past {
                 alarms: EnumSet::from_repr_truncated(u16::from_le_bytes(*alarms)),
                 raised: *raised,
             },
-            references,
+            estimates: (*estimates != [0; KEPT]).then_some(Kept(*estimates)),
         };
         let identity = Identity {
             bearings: u32::from_le_bytes(*bearings),
@@ -235,10 +203,8 @@ impl Past {
 }
 
 // A record has room for all alarms.
-const _: () = assert!(
-    Alarm::COUNT <= 16
-        && 2 + 2 + 4 + 8 + 8 + 4 + Alarm::COUNT + 4 + MOST_PROBES * REFERENCE <= PAYLOAD
-);
+const _: () =
+    assert!(Alarm::COUNT <= 16 && 2 + 2 + 4 + 8 + 8 + 4 + Alarm::COUNT + 4 + KEPT <= PAYLOAD);
 
 /// Identity of a spindle, which tells its data from another's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -266,7 +232,7 @@ pub struct Store<F> {
     log: Log<F>,
     identity: Identity,
     recovery: Recovery,
-    references: Recovery,
+    estimates: Recovery,
     /// Data at the start, with the life of the bearing that is in place; and in the log, once the due record is written.
     began: Past,
     past: Past,
@@ -304,12 +270,12 @@ impl<F: NorFlash> Store<F> {
                 }
             }
         };
-        let references = match kept.flatten() {
+        let estimates = match kept.flatten() {
             None => recovery,
-            Some((_, kept)) if kept.references == References::default() => Recovery::Blank,
+            Some((_, kept)) if kept.estimates.is_none() => Recovery::Blank,
             Some((whose, _)) if whose != identity => Recovery::OtherSpindle,
             Some((_, kept)) => {
-                past.references = kept.references;
+                past.estimates = kept.estimates;
                 Recovery::Recovered
             }
         };
@@ -319,7 +285,7 @@ impl<F: NorFlash> Store<F> {
             log,
             identity,
             recovery,
-            references,
+            estimates,
             began: past,
             past,
             due,
@@ -337,7 +303,7 @@ impl<F: NorFlash> Store<F> {
         time_us: u64,
         judgement: &Judgement,
         life: &Life,
-        references: &References,
+        estimates: Option<Kept>,
     ) {
         if time_us < self.look_us {
             return;
@@ -355,14 +321,14 @@ impl<F: NorFlash> Store<F> {
         let grown = time_us.saturating_sub(self.life_us) >= LIFE_US
             && (grown(now.0, kept.0, began.0) || grown(now.1, kept.1, began.1));
         let alarms = judgement.unacknowledged() != self.past.start.alarms;
-        let referred = *references != self.past.references;
-        if replaced || grown || referred || (alarms && time_us >= self.alarms_us) {
-            self.keep(time_us, judgement, life, references);
+        let estimated = estimates != self.past.estimates;
+        if replaced || grown || estimated || (alarms && time_us >= self.alarms_us) {
+            self.keep(time_us, judgement, life, estimates);
         }
     }
 
     /// Makes a record due.
-    fn keep(&mut self, time_us: u64, judgement: &Judgement, life: &Life, references: &References) {
+    fn keep(&mut self, time_us: u64, judgement: &Judgement, life: &Life, estimates: Option<Kept>) {
         let start = &mut self.past.start;
         if judgement.unacknowledged() != start.alarms {
             self.alarms_us = time_us.saturating_add(ALARMS_US);
@@ -374,14 +340,14 @@ impl<F: NorFlash> Store<F> {
             *raised = raised.saturating_add(now.min(u8::MAX.into()) as u8);
         }
         (self.past.life, self.life_us) = (life.kept(), time_us);
-        self.past.references = *references;
+        self.past.estimates = estimates;
         self.due = true;
     }
 
-    /// The supply is about to go: writes life, alarms and references at once. Whether they stand in the flash then, in one copy at
+    /// The supply is about to go: writes life, alarms and estimates at once. Whether they stand in the flash then, in one copy at
     /// least. Between ticks, as [`Store::look`] is.
     ///
-    /// For boards whose hardware warns of that. A record of 80 bytes is two copies of 20 words on an STM32F405: 0.6 ms,
+    /// For boards whose hardware warns of that. A record of 96 bytes is two copies of 24 words on an STM32F405: 0.8 ms,
     /// or 4 ms at worst. The programmable voltage detector (PVD: `PWR_CR`, `PWR_CSR`) of that chip warns at 2.9 V, and words
     /// are written down to 2.7 V. The supply must hold out in between: 100 mA for 4 ms take 2 mF. A detector at the
     /// input of the regulator leaves more time. To be called once for each warning.
@@ -390,9 +356,9 @@ impl<F: NorFlash> Store<F> {
         time_us: u64,
         judgement: &Judgement,
         life: &Life,
-        references: &References,
+        estimates: Option<Kept>,
     ) -> bool {
-        self.keep(time_us, judgement, life, references);
+        self.keep(time_us, judgement, life, estimates);
         self.due = false;
         self.log.begin(&self.past.encode(self.identity));
         let written = self.log.counts().written;
@@ -414,7 +380,7 @@ impl<F: NorFlash> Store<F> {
         let counts = self.log.counts();
         RetentionReport {
             recovery: self.recovery,
-            references: self.references,
+            estimates: self.estimates,
             damaged: counts.damaged,
             written: counts.written,
             failed: counts.failed,

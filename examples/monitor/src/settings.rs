@@ -3,7 +3,8 @@
 use crate::alarms::{Alarm, Rhythm, Threshold};
 use crate::command::MOST_PROBES;
 use crate::plausibility::PlausibilitySettings;
-use crate::response;
+use crate::preload::PreloadLaw;
+use crate::revolutions;
 use crate::temperature::TemperatureSettings;
 use crate::tick::{CycleCost, TickSettings};
 use crate::watch::SECOND_US;
@@ -139,19 +140,54 @@ pub struct ProbeSettings {
     pub direction: [f32; 3],
     /// Accuracy of a reading, um.
     pub accuracy: f32,
+    /// Largest displacement that it sees by a force (um/N) and by a moment (um/(N m)) where loads are measured.
+    pub compliance: [f32; 2],
 }
 
-/// Settings of measured over computed displacement ([`crate::response`]) at `P` probes.
+impl ProbeSettings {
+    /// Whether it sees the shaft move along its axis.
+    pub(crate) const fn is_axial(&self) -> bool {
+        let [_, y, z] = self.direction;
+        y == 0.0 && z == 0.0
+    }
+
+    /// The directions along and across a probe that is turned by an angle, rad, within some tenths.
+    pub(crate) fn directions(&self, angle: f32) -> [[f32; 3]; 2] {
+        let [x, y, z] = self.direction;
+        // By half of the angle: its tangent.
+        let half = 0.5 * angle + angle * angle * angle / 24.0;
+        let per = 1.0 / (1.0 + half * half);
+        let [cos, sin] = [(1.0 - half * half) * per, 2.0 * half * per];
+        let [along_y, along_z] = [cos * y - sin * z, cos * z + sin * y];
+        [[x, along_y, along_z], [0.0, -along_z, along_y]]
+    }
+}
+
+/// Settings of the estimates by `P` probes ([`crate::estimator`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ResponseSettings<const P: usize> {
     /// The probes.
     pub probes: [ProbeSettings; P],
+    /// The preload of the spindle; none where no rows oppose each other.
+    pub preload: Option<PreloadLaw>,
+    /// Accuracy of the difference of both sides' temperatures since commissioning, K; 0 where they are not measured.
+    pub heat: f32,
+    /// Accuracy of a load step, part of it.
+    pub load_error: f32,
+    /// Accuracy of a probe's gain, part of it.
+    pub gain: f32,
 }
 
 impl ResponseSettings<0> {
     /// No probes.
-    pub const NONE: Self = Self { probes: [] };
+    pub const NONE: Self = Self {
+        probes: [],
+        preload: None,
+        heat: 0.0,
+        load_error: 0.02,
+        gain: 0.1,
+    };
 }
 
 impl<const P: usize> ResponseSettings<P> {
@@ -161,7 +197,8 @@ impl<const P: usize> ResponseSettings<P> {
     ///
     /// The first field that is out of order, and its condition.
     pub const fn check(&self) -> Result<(), SettingsError> {
-        let (mut positions, mut directions, mut accuracies) = (true, true, true);
+        let (mut positions, mut directions, mut accuracies, mut compliances) =
+            (true, true, true, true);
         let mut i = 0;
         while i < P {
             let probe = &self.probes[i];
@@ -170,14 +207,25 @@ impl<const P: usize> ResponseSettings<P> {
             positions &= probe.position.is_finite();
             directions &= square > 0.999 && square < 1.001;
             accuracies &= positive(probe.accuracy);
+            let [by_force, by_moment] = probe.compliance;
+            compliances &= amount(by_force) && amount(by_moment);
             i += 1;
         }
+        let law = match &self.preload {
+            Some(law) => law.is_sound(),
+            None => true,
+        };
         #[rustfmt::skip]
         let demands = [
             (P <= MOST_PROBES, "probes", "four at most"),
             (positions, "probes.position", "a number of metres"),
             (directions, "probes.direction", "a unit vector"),
             (accuracies, "probes.accuracy", "positive"),
+            (compliances, "probes.compliance", "numbers, not below 0"),
+            (law, "preload", "a positive force, and finite closures that rise"),
+            (amount(self.heat), "heat", "a number, not below 0"),
+            (amount(self.load_error), "load_error", "a number, not below 0"),
+            (positive(self.gain), "gain", "positive"),
         ];
         first_broken(&demands)
     }
@@ -366,7 +414,7 @@ impl<const R: usize> MonitorSettings<R> {
             Rhythm::Estimate => self.tick.period_us.saturating_mul(ESTIMATE_TICKS),
             Rhythm::Sample => self.plausibility.missing_after_us,
             Rhythm::Tick => SECOND_US,
-            Rhythm::Block => response::longest_us(self.tick.period_us),
+            Rhythm::Block => revolutions::longest_us(self.tick.period_us),
         }
     }
 
@@ -454,6 +502,7 @@ impl<const R: usize> MonitorSettings<R> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::preload::{NODES, PreloadBy};
     use spindle_bearing::{FreeContact, Material};
 
     const DESIGN: Design = Design {
@@ -524,15 +573,43 @@ mod tests {
                 position: -0.01,
                 direction: [0.0, 0.6, -0.8],
                 accuracy: 0.2,
+                compliance: [0.02, 0.4],
             }],
+            preload: Some(PreloadLaw {
+                force: 250.0,
+                by: PreloadBy::Spring,
+            }),
+            heat: 0.3,
+            load_error: 0.02,
+            gain: 0.1,
         };
         assert_eq!(good.check(), Ok(()));
         assert_eq!(ResponseSettings::NONE.check(), Ok(()));
         type Spoil = fn(&mut ResponseSettings<1>);
-        let spoils: [(Spoil, &str); 3] = [
+        let spoils: [(Spoil, &str); 8] = [
             (|s| s.probes[0].position = f32::NAN, "probes.position"),
             (|s| s.probes[0].direction = [0.0; 3], "probes.direction"),
             (|s| s.probes[0].accuracy = 0.0, "probes.accuracy"),
+            (
+                |s| s.probes[0].compliance = [0.0, f32::NAN],
+                "probes.compliance",
+            ),
+            (
+                |s| {
+                    s.preload = Some(PreloadLaw {
+                        force: 250.0,
+                        by: PreloadBy::Closure {
+                            rows: 3,
+                            closures: [0.0; NODES],
+                            heat: [0.0; 2],
+                        },
+                    });
+                },
+                "preload",
+            ),
+            (|s| s.heat = f32::INFINITY, "heat"),
+            (|s| s.load_error = -1.0, "load_error"),
+            (|s| s.gain = 0.0, "gain"),
         ];
         for (spoil, field) in spoils {
             let mut settings = good;

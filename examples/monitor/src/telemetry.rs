@@ -20,11 +20,11 @@
 use crate::alarms::Alarm;
 use crate::board::BoardReport;
 use crate::command::{Answer, MOST_PROBES};
+use crate::estimator::{Estimate, State};
 use crate::framing::{self, CHECKSUM_LENGTH, FrameError};
 use crate::judgement::{AlarmChange, AlarmState};
 use crate::loads::FrameCounts;
 use crate::marks::Marks;
-use crate::response::ProbeReport;
 use crate::retained::{RetentionReport, StartReport};
 use crate::temperature::TemperatureSource;
 use heapless::Vec;
@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 use spindle_bearing::{Frequencies, Limit, LimitSet, Status};
 
 /// Version of the format.
-pub const VERSION: u8 = 11;
+pub const VERSION: u8 = 12;
 
 /// Balls in one [`BallsReport`].
 pub const BALLS_PER_FRAME: usize = 4;
@@ -89,7 +89,7 @@ pub enum Payload {
     Rows(RowsReport),
     /// Who is there: this start, the board, and the spindle.
     Hello(HelloReport),
-    /// Measured over computed displacement at the probes.
+    /// Estimates by the probes.
     Probes(ProbesReport),
 }
 
@@ -204,14 +204,34 @@ pub struct RowReport {
     pub frequencies: Frequencies<f32>,
 }
 
-/// Measured over computed displacement at the probes ([`response`](crate::response)), in the order of the spindle's file.
+/// Estimates by the probes ([`estimator`](crate::estimator)).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ProbesReport {
+    /// How the spindle stands.
+    pub state: State,
+    /// Preload of now, N; none without opposed rows.
+    pub preload: Option<Estimate>,
+    /// Its change since commissioning, part of 1; none before.
+    pub change: Option<Estimate>,
+    /// Load steps since the estimates began.
+    pub steps: u32,
     /// Runout cannot be told from drift at the speed of now: nothing counts.
     pub aliased: bool,
-    /// The probes. Their ages count ticks with a solution.
+    /// The probes, in the order of the spindle's file.
     pub probes: Vec<ProbeReport, MOST_PROBES>,
+}
+
+/// A probe.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ProbeReport {
+    /// How it stands.
+    pub state: State,
+    /// Its gain: measured over computed motion, at the preload that is estimated.
+    pub gain: Estimate,
+    /// Measured over computed motion of its last steps, whether it follows the loads or not; none before the first.
+    pub ratio: Option<f32>,
 }
 
 /// Who is there, for a host that joins in.
@@ -369,7 +389,6 @@ mod tests {
     use crate::board::{Check, ResetCause};
     use crate::command::{AnswerCode, Order};
     use crate::marks::Mark;
-    use crate::response::{Ratio, State};
     use crate::retained::Recovery;
     use enumset::EnumSet;
     use std::vec::Vec as Bytes;
@@ -454,7 +473,7 @@ mod tests {
             marks: Marks::all(),
             retention: RetentionReport {
                 recovery: Recovery::Damaged,
-                references: Recovery::Damaged,
+                estimates: Recovery::Damaged,
                 damaged: u16::MAX,
                 written: u32::MAX,
                 failed: u32::MAX,
@@ -511,17 +530,20 @@ mod tests {
     }
 
     fn probes() -> Payload {
-        let ratio = Ratio {
+        let estimate = Estimate {
             value: f32::MAX,
             error: f32::MAX,
         };
         let probe = ProbeReport {
-            state: State::Probe,
-            ratio: Some(ratio),
-            steps: u32::MAX,
-            age: u32::MAX,
+            state: State::Ok,
+            gain: estimate,
+            ratio: Some(f32::MAX),
         };
         Payload::Probes(ProbesReport {
+            state: State::Ok,
+            preload: Some(estimate),
+            change: Some(estimate),
+            steps: u32::MAX,
             aliased: true,
             probes: Vec::from_array([probe; MOST_PROBES]),
         })
@@ -618,6 +640,7 @@ mod tests {
             "stiffness-loss",
             "stiffness-gain",
             "probe",
+            "preload-change",
         ];
         assert_eq!(numbers, core::array::from_fn(|i| (i as u8, names[i])));
         for (i, alarm) in Alarm::ALL.into_iter().enumerate() {
@@ -763,7 +786,7 @@ mod tests {
             marks: Marks::only(Mark::Range),
             retention: RetentionReport {
                 recovery: Recovery::Recovered,
-                references: Recovery::OtherSpindle,
+                estimates: Recovery::OtherSpindle,
                 damaged: 302,
                 written: 10,
                 failed: 11,
@@ -799,7 +822,7 @@ mod tests {
                 start: 302,
                 raised: 301,
             },
-            outcome: AnswerCode::TooFewSteps,
+            outcome: AnswerCode::Learning,
         });
         let of_answer = [0xac, 0x02, 0, 14, 0xae, 0x02, 0xad, 0x02, 4].to_vec();
         let row = RowReport {
@@ -848,7 +871,7 @@ mod tests {
         });
         let of_hello = [
             &[0xac, 0x02, 3, 0x80, 0x01],
-            &(200..215).collect::<Bytes<u8>>()[..],
+            &(200..216).collect::<Bytes<u8>>()[..],
             &[2, 3, 1, 0xad, 0x02, 1, 200],
             &floats([1.0, 0.5, 2.0]),
             &[1, 1],
@@ -856,23 +879,29 @@ mod tests {
             &[1, 0xac, 0x02],
         ]
         .concat();
+        let one = |value: f32, error: f32| Estimate { value, error };
         let probe = ProbeReport {
-            state: State::StiffnessLoss,
-            ratio: Some(Ratio {
-                value: 1.0,
-                error: 0.5,
-            }),
-            steps: 300,
-            age: 301,
+            state: State::Learning,
+            gain: one(1.0, 0.5),
+            ratio: Some(2.0),
         };
         let probes = Payload::Probes(ProbesReport {
+            state: State::Unknown,
+            preload: Some(one(3.0, 4.0)),
+            change: Some(one(5.0, 6.0)),
+            steps: 300,
             aliased: true,
             probes: Vec::from_iter([probe]),
         });
         let of_probes = [
-            &[1, 1, 2, 1],
+            &[7, 1],
+            &*floats([3.0, 4.0]),
+            &[1],
+            &*floats([5.0, 6.0]),
+            &[0xac, 0x02, 1, 1, 6],
             &*floats([1.0, 0.5]),
-            &[0xac, 0x02, 0xad, 0x02],
+            &[1],
+            &*floats([2.0]),
         ]
         .concat();
         for (number, payload, content) in [
@@ -893,7 +922,7 @@ mod tests {
             };
             let mut bytes = [0; MESSAGE_LENGTH];
             let bytes = postcard::to_slice(&frame, &mut bytes).unwrap();
-            let expected = [&[11, 0xac, 0x02, 5, number], &*content].concat();
+            let expected = [&[12, 0xac, 0x02, 5, number], &*content].concat();
             assert_eq!(bytes, expected, "{frame:?}");
         }
     }

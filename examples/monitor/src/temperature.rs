@@ -185,6 +185,14 @@ impl Temperatures {
         self.sides.map(|side| side.source)
     }
 
+    /// Whether both are measured, or not in use.
+    pub(crate) fn are_measured(&self) -> bool {
+        use TemperatureSource::{Measured, Unused};
+        self.sides
+            .iter()
+            .all(|side| matches!(side.source, Measured | Unused))
+    }
+
     /// Time since both sides had a good value, s.
     pub(crate) fn age(&self, time_us: u64) -> f32 {
         let since = |side: &Side| side.since(self.began_us.unwrap_or(time_us));

@@ -57,6 +57,10 @@ pub struct CycleCost {
     pub ball_report: u32,
     /// A probe, in any tick ([`CycleCost::with_probes`]).
     pub probe: u32,
+    /// A ball where slopes at the probes are taken of an equilibrium.
+    pub ball_slopes: u32,
+    /// A load step at the probes, over the square of their states and their number.
+    pub filter: u32,
 }
 
 /// The core of a board.
@@ -84,15 +88,23 @@ pub struct SpindleCost {
     pub look: u32,
     /// A report of an equilibrium.
     pub report: u32,
+    /// Slopes at the probes of an equilibrium.
+    pub slopes: u32,
+    /// A load step at the probes.
+    pub filter: u32,
 }
 
 impl CycleCost {
     /// The cost of the ticks of a spindle with so many probes, besides.
     #[must_use]
     pub const fn with_probes(self, probes: usize) -> Self {
-        let all = self.probe.saturating_mul(probes as u32);
+        if probes == 0 {
+            return self;
+        }
+        let (probes, states) = (probes as u32, 2 + 4 * probes as u32);
         Self {
-            tick: self.tick.saturating_add(all),
+            tick: self.tick.saturating_add(self.probe.saturating_mul(probes)),
+            filter: self.filter.saturating_mul(probes * states * states),
             ..self
         }
     }
@@ -107,6 +119,8 @@ impl CycleCost {
             open: self.open,
             look: self.ball_look.saturating_mul(most),
             report: self.ball_report.saturating_mul(all),
+            slopes: step.saturating_add(self.ball_slopes.saturating_mul(all)),
+            filter: self.filter,
         }
     }
 }
@@ -167,6 +181,16 @@ impl<C: CycleCounter> SolveTime<'_, C> {
     /// Whether there is time to take a report of an equilibrium, which then goes on.
     pub fn has_a_report(&mut self) -> bool {
         self.looks(self.cost.report)
+    }
+
+    /// Whether there is time to take slopes of an equilibrium, which then goes on.
+    pub fn has_slopes(&mut self) -> bool {
+        self.looks(self.cost.slopes)
+    }
+
+    /// Whether there is time to take a load step, which then goes on.
+    pub fn has_a_step(&mut self) -> bool {
+        self.looks(self.cost.filter)
     }
 
     fn looks(&mut self, cycles: u32) -> bool {
@@ -272,6 +296,8 @@ impl TickSettings {
             open,
             look,
             report,
+            slopes,
+            filter,
         } = self
             .cost
             .of(rows as u32, (rows * balls) as u32, balls as u32);
@@ -283,7 +309,13 @@ impl TickSettings {
         } else {
             solve
         };
-        solve <= left && open.saturating_add(look) <= left && report <= left
+        let parts = [solve, open.saturating_add(look), report, slopes, filter];
+        let (mut has, mut i) = (true, 0);
+        while i < parts.len() {
+            has &= parts[i] <= left;
+            i += 1;
+        }
+        has
     }
 }
 
@@ -443,6 +475,8 @@ mod tests {
             ball_look: 800,
             ball_report: 1000,
             probe: 0,
+            ball_slopes: 500,
+            filter: 60,
         },
     };
 

@@ -140,6 +140,7 @@ impl SpindleFile {
         if let Some(Heat {
             reference,
             expansion,
+            ..
         }) = self.heat
         {
             let Expansion {

@@ -30,6 +30,10 @@ pub struct Sensors {
     pub bridges: Option<Bridges>,
     /// Samples of a tare of the bridges.
     pub tare_samples: u16,
+    /// Accuracy of a load step for the probes, part of it.
+    pub load_error: f32,
+    /// Accuracy of a probe's gain, part of 1.
+    pub gain: f32,
 }
 
 /// The tachometer's pulses.
@@ -68,6 +72,8 @@ impl Sensors {
         },
         bridges: None,
         tare_samples: 1000,
+        load_error: 0.02,
+        gain: 0.1,
     };
 }
 
@@ -121,6 +127,8 @@ const ANY: Bounds = [-1e9, 1e9];
 /// Milliseconds that microseconds of 32 bits reach.
 const TIME: Bounds = [1.0, 4e6];
 const SHORT_TIME: Bounds = [1e-3, 4e6];
+/// Of errors of sensors, %.
+const PERCENTS: Bounds = [0.1, 50.0];
 /// Of a number of things.
 const COUNT: Bounds = [0.0, 65_535.0];
 const SOME: Bounds = [1.0, 65_535.0];
@@ -143,7 +151,7 @@ fn temperatures(settings: &mut Settings) -> &mut TemperatureSettings {
 
 /// In the order in which they count: rates and overload follow from ranges, and are set after them.
 #[rustfmt::skip]
-const KEYS: [Key; 35] = [
+const KEYS: [Key; 37] = [
     Key("period_ms", MS, [1.0, 10.0], |m, _, _| Time(&mut m.tick.period_us), "", "period of a tick, 1 to 10"),
     Key("loads", PLAIN, ANY, |_, _, _| Target::Bridges, "`\"records\"`", "`\"records\"` come over the port; `\"bridges\"` are at the board, with a tachometer"),
     Key("idle.{load}", LOAD, ANY, |_, s, i| Number(&mut s.idle[i]), "", "{name}, within its plausible range"),
@@ -175,6 +183,8 @@ const KEYS: [Key; 35] = [
     Key("tachometer.standstill_ms", MS, TIME, |_, s, _| Time(&mut s.tachometer.standstill_us), "", "time without a pulse that is a standstill"),
     Key("bridges.counts", ("counts per N, N m", 1.0), ANY, |_, _, _| Target::Bridges, "must be there", "a row of five for each of 5 to 8 bridges: counts by each load alone (`cargo calibrate`)"),
     Key("bridges.tare_samples", PLAIN, SOME, |_, s, _| Count(&mut s.tare_samples), "", "samples of a tare"),
+    Key("probes.load_error_percent", ("%", 1e-2), PERCENTS, |_, s, _| Number(&mut s.load_error), "", "error of a load step in any direction, part of it: gains and cross-talk of the load cells"),
+    Key("probes.gain_percent", ("%", 1e-2), PERCENTS, |_, s, _| Number(&mut s.gain), "", "error of a probe's gain"),
     Key("telemetry.estimate_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.estimate_us), "", "time between estimates"),
     Key("telemetry.balls_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.balls_us), "100 a row, 200 at least", "time between pictures of all balls"),
     Key("telemetry.health_ms", MS, SHORT_TIME, |m, _, _| Time(&mut m.telemetry.health_us), "", "time between reports of health"),

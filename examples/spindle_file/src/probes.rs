@@ -4,7 +4,6 @@ use crate::doubts::{Doubts, Extent};
 use crate::monitors::Bridges;
 use crate::reading::{DesignFileError, Key, POSITIONS, Reading, millimetres};
 use serde::Deserialize;
-use spindle_monitor::ProbeSettings;
 use std::ops::RangeInclusive;
 use toml::Spanned;
 
@@ -40,15 +39,6 @@ impl Probe {
     pub fn sees(&self, u: &[f64; 5]) -> f64 {
         let along = self.direction.iter().zip(u).map(|(e, u)| e * u);
         1e6 * along.sum::<f64>()
-    }
-
-    /// Its settings in the board's monitor.
-    pub fn settings(&self) -> ProbeSettings {
-        ProbeSettings {
-            position: self.position as f32,
-            direction: self.direction.map(|e| e as f32),
-            accuracy: self.accuracy as f32,
-        }
     }
 }
 

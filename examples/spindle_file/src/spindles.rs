@@ -41,6 +41,7 @@
 //! housing_per_k = 11.5e-6
 //! ring_per_k = 11.5e-6
 //! ball_per_k = 11.5e-6
+//! accuracy_k = 0.3               # of the difference of both since commissioning, for the preload that probes measure
 //!
 //! [load]                         # where recorded loads act; may be left out: x = 0
 //! position_mm = -60
@@ -132,6 +133,8 @@ pub struct Heat {
     pub reference: f64,
     /// Coefficients of expansion.
     pub expansion: Expansion,
+    /// Accuracy of the difference of both sides' temperatures since commissioning, K.
+    pub accuracy: f64,
 }
 
 #[derive(Deserialize)]
@@ -187,10 +190,14 @@ struct HeatKeys {
     housing_per_k: Key<f64>,
     ring_per_k: Key<f64>,
     ball_per_k: Key<f64>,
+    accuracy_k: Key<f64>,
 }
 
 /// Growth of a row over its pitch diameter, and of its balls over theirs: a stress of 200 MPa in steel, or 90 K.
 const MOST_GROWTH: f64 = 1e-3;
+
+/// Accuracy of the difference of both sides' temperatures that is not said, K: of sensors in one housing, and of a bearing's own heat.
+const HEAT_ACCURACY: f64 = 0.3;
 
 /// Thermal expansion of materials, 1/K: from carbon fibre to zinc.
 const EXPANSIONS: RangeInclusive<f64> = -2e-6..=3.5e-5;
@@ -614,8 +621,11 @@ impl SpindleFile {
                 r.within(key, &said, -1e-4..=1e-4)
             };
             let steel = Expansion::STEEL;
+            let accuracy = keys.accuracy_k.as_ref();
+            let accuracy = accuracy.map(|said| r.within("accuracy_k", said, 0.0..=20.0));
             Ok(Heat {
                 reference,
+                accuracy: accuracy.transpose()?.unwrap_or(HEAT_ACCURACY),
                 expansion: Expansion {
                     shaft: per_kelvin("shaft_per_k", keys.shaft_per_k, steel.shaft)?,
                     housing: per_kelvin("housing_per_k", keys.housing_per_k, steel.housing)?,

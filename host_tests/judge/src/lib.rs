@@ -6,6 +6,7 @@ pub mod cases;
 pub mod compare;
 pub mod double_double;
 pub mod laws;
+pub mod preload;
 pub mod progress;
 pub mod reference;
 pub mod tolerances;

@@ -7,8 +7,9 @@ use cli::drawing;
 use cli::output::NewFile;
 use spindle_file::mounting::Parts;
 use spindle_file::spindles::SpindleFile;
+use spindle_monitor::estimator::State;
+use std::array::from_fn;
 use std::cmp::Ordering;
-use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::PathBuf;
@@ -16,6 +17,10 @@ use std::process::ExitCode;
 
 /// Most points of a curve: of a longer recording, each point is the mean of many rows.
 const MOST_POINTS: usize = 120;
+/// Most points of a curve of --response, whose changes are sudden.
+const MOST_SPANS: usize = 600;
+/// Name of the curves of a whole spindle.
+const SPINDLE: &str = "spindle";
 /// Most curves of a panel: of more loads, each row is a dot.
 const MOST_CURVES: usize = 8;
 /// Most dots of a panel.
@@ -26,7 +31,7 @@ const MOST_DOTS: usize = 400;
 /// Results and tables become curves of speed, load and stiffness over time, or of stiffness over
 /// speed. A file of balls becomes the load distribution: contact forces over the azimuth at one
 /// time. A file that ends in .toml is a spindle's: its shaft with its diameters, rows, contact lines, supports, loads, noses and probes in section. A file
-/// of --response becomes compliances over time, with their errors.
+/// of --response becomes preload and gains over time, with their errors, and states.
 #[derive(Debug, Parser)]
 #[command(name = "plot", bin_name = "cargo plot", max_term_width = 100)]
 struct Args {
@@ -157,12 +162,12 @@ fn chart(args: &Args, input: Box<dyn Read>) -> Result<Chart> {
             "--over and --nose are for results, and this is a file of balls"
         );
         around(&mut table, args.time)?
-    } else if table.has("ratio_error") {
+    } else if table.has("preload_error_n") {
         responses(&mut table)?
     } else {
         bail!(
             "line 1: there is no column k_x_x as in the results of cargo replay, nor azimuth_rad as in its --balls, \
-             nor ratio_error as in its --response; files of --rows, --nose and --frequencies are not drawn"
+             nor preload_error_n as in its --response; files of --rows, --nose and --frequencies are not drawn"
         )
     };
     let name = args.file.file_name().unwrap_or_default();
@@ -193,46 +198,49 @@ impl Table {
 
     /// The numbers of all rows in the columns of these names: not a number where there is nothing to draw.
     fn read<const N: usize>(&mut self, names: &str) -> Result<Vec<[f64; N]>> {
-        let rows = self.read_named(names, "")?;
-        Ok(rows.into_iter().map(|(_, row)| row).collect())
+        let names: Vec<_> = names.split_whitespace().collect();
+        let rows = self.read_with(&names, &[])?.into_iter();
+        let numbers = |row: Vec<f64>| from_fn(|i| row.get(i).copied().unwrap_or(f64::NAN));
+        Ok(rows.map(|(row, _)| numbers(row)).collect())
     }
 
-    /// [`Table::read`], each row with the text in the column `name`.
-    fn read_named<const N: usize>(
+    /// The numbers of all rows in the columns of these names, and the words in some.
+    fn read_with(
         &mut self,
-        names: &str,
-        name: &str,
-    ) -> Result<Vec<(String, [f64; N])>> {
-        let text = self.header.iter().position(|field| field == name);
-        let columns = names.split_whitespace().map(|name| {
-            let column = self.header.iter().position(|field| field == name);
-            let column = column.with_context(|| {
+        names: &[&str],
+        words: &[&str],
+    ) -> Result<Vec<(Vec<f64>, Vec<String>)>> {
+        let place = |name: &&str| {
+            let column = self.header.iter().position(|field| field == *name);
+            column.with_context(|| {
                 format!(
                     "line 1: the column {name} is missing; did cargo replay write the file, and of a spindle with [nose] \
                      for --nose?"
                 )
-            })?;
-            Ok((name, column))
-        });
-        let columns = columns.collect::<Result<Vec<_>>>()?;
+            })
+        };
+        let columns = names.iter().map(place).collect::<Result<Vec<_>>>()?;
+        let words = words.iter().map(place).collect::<Result<Vec<_>>>()?;
         let mut rows = Vec::new();
         let mut record = csv::StringRecord::new();
         while self.reader.read_record(&mut record)? {
-            let mut row = [f64::NAN; N];
-            for (number, (name, column)) in row.iter_mut().zip(&columns) {
-                let text = record.get(*column).unwrap_or_default();
-                if !text.is_empty() {
-                    let line = record.position().map_or(0, |place| place.line());
-                    let read = text.parse::<f64>();
-                    let read = read.with_context(|| {
-                        format!("line {line} ({name}): {text:?} is not a number")
-                    })?;
-                    // Beyond this power there is nothing to draw, and a scale for it would overflow.
-                    *number = if read.abs() < 1e30 { read } else { f64::NAN };
+            let text = |column: usize| record.get(column).unwrap_or_default();
+            let line = record.position().map_or(0, |place| place.line());
+            let number = |(name, column): (&&str, &usize)| {
+                let text = text(*column);
+                if text.is_empty() {
+                    return Ok(f64::NAN);
                 }
-            }
-            let text = text.and_then(|column| record.get(column));
-            rows.push((text.unwrap_or_default().to_owned(), row));
+                let read = text.parse::<f64>();
+                let read = read
+                    .with_context(|| format!("line {line} ({name}): {text:?} is not a number"))?;
+                // Beyond this power there is nothing to draw, and a scale for it would overflow.
+                Ok(if read.abs() < 1e30 { read } else { f64::NAN })
+            };
+            let numbers = names.iter().zip(&columns).map(number);
+            let numbers = numbers.collect::<Result<Vec<_>>>()?;
+            let words = words.iter().map(|column| text(*column).to_owned());
+            rows.push((numbers, words.collect()));
         }
         Ok(rows)
     }
@@ -355,34 +363,93 @@ fn over_time(rows: &[Row], nose: bool) -> Result<Chart> {
     Ok(Chart::new(&title, 1, panels))
 }
 
-/// Ratio of each probe with twice its standard error over time.
+/// Preload and gains with two standard errors over time, and the states of the spindle and of its probes.
 fn responses(table: &mut Table) -> Result<Chart> {
-    let rows = table.read_named("time_s ratio ratio_error", "probe")?;
-    let probes: BTreeSet<&String> = rows.iter().map(|(probe, _)| probe).collect();
-    let curves = probes.into_iter().flat_map(|probe| {
-        let rows = rows.iter().filter(|(one, _)| one == probe);
-        let percent = |ratio: f64| 100.0 * (ratio - 1.0);
-        let spans = rows.map(|(_, [time, ratio, error])| {
-            let ratios = [ratio - 2.0 * error, *ratio, ratio + 2.0 * error];
-            (*time, ratios.map(percent))
-        });
-        banded(probe, &spans.collect::<Vec<_>>())
-    });
-    let mut panel = Panel::new(
-        "More compliant than at commissioning",
-        "",
-        "%",
-        curves.collect(),
-    );
+    let header = table.header.clone();
+    let probes = header.iter().filter_map(|name| name.strip_prefix("state_"));
+    let probes: Vec<_> = probes.collect();
+    let gains = probes
+        .iter()
+        .flat_map(|probe| [format!("gain_{probe}"), format!("gain_error_{probe}")]);
+    let numbers = ["time_s", "preload_n", "preload_error_n"].map(str::to_owned);
+    let numbers: Vec<_> = numbers.into_iter().chain(gains).collect();
+    let words = probes.iter().map(|probe| format!("state_{probe}"));
+    let words: Vec<_> = ["state".to_owned()].into_iter().chain(words).collect();
+    let [numbers, words] =
+        [&numbers, &words].map(|all| all.iter().map(|name| &**name).collect::<Vec<_>>());
+    let mut rows = table.read_with(&numbers, &words)?;
+    rows.retain(|(row, _)| row[0].is_finite());
     ensure!(
-        rows.iter().any(|(_, [_, ratio, _])| ratio.is_finite()),
-        "no probe has a ratio, nothing to draw; the column state says why"
+        rows.len() > 1,
+        "there are fewer than two lines, nothing to draw"
     );
-    panel.x = Axis::new("time / s");
+    let spans: Vec<_> = rows.chunks(rows.len().div_ceil(MOST_SPANS)).collect();
+    let time = |span: &[(Vec<f64>, Vec<String>)]| span[span.len() / 2].0[0];
+    // The band of a span is from the least to the largest of its lines.
+    let band = |name: &str, column: usize| {
+        let spans = spans.iter().map(|span| {
+            let known = span.iter().map(|(row, _)| [row[column], row[column + 1]]);
+            let known: Vec<_> = known.filter(|of| of[0].is_finite()).collect();
+            let mean = known.iter().map(|of| of[0]).sum::<f64>() / known.len() as f64;
+            let ends = [-2.0, 2.0].map(|side| known.iter().map(move |of| of[0] + side * of[1]));
+            let [low, high] = ends;
+            (
+                time(span),
+                [
+                    low.fold(f64::NAN, f64::min),
+                    mean,
+                    high.fold(f64::NAN, f64::max),
+                ],
+            )
+        });
+        banded(name, &spans.collect::<Vec<_>>())
+    };
+    let gains = probes.iter().enumerate();
+    let gains = gains
+        .flat_map(|(i, probe)| band(probe, 3 + 2 * i))
+        .collect();
+    let mut panels = vec![Panel::new(
+        "Gain: measured over computed motion",
+        "",
+        "",
+        gains,
+    )];
+    if rows.iter().any(|(row, _)| row[1].is_finite()) {
+        panels.insert(0, Panel::new("Preload / N", "", "", band(SPINDLE, 1)));
+    }
+    // The worst of a span is its state. The best of all states is the lowest.
+    let worst = |span: &[(Vec<f64>, Vec<String>)], i: usize| {
+        State::ALL
+            .into_iter()
+            .find(|state| span.iter().any(|(_, words)| words[i] == state.name()))
+    };
+    let is_seen = |state: &State| {
+        (0..words.len()).any(|i| spans.iter().any(|span| worst(span, i) == Some(*state)))
+    };
+    let seen: Vec<_> = State::ALL.into_iter().rev().filter(is_seen).collect();
+    let curves = [SPINDLE]
+        .iter()
+        .chain(&probes)
+        .enumerate()
+        .map(|(i, name)| {
+            let aside = 0.12 * (0.5 * probes.len() as f64 - i as f64);
+            let points = spans.iter().map(|span| {
+                let level = seen.iter().position(|state| Some(*state) == worst(span, i));
+                (
+                    time(span),
+                    level.map_or(f64::NAN, |level| level as f64 + aside),
+                )
+            });
+            Curve::new(name, Style::Line, points.collect())
+        });
+    let mut states = Panel::new("State", "time / s", "", curves.collect());
+    states.y.range = Some((-0.5, seen.len() as f64 - 0.5));
+    states.y.words = seen.iter().map(|state| state.name()).collect();
+    panels.push(states);
     Ok(Chart::new(
-        "ratio of probes; bands: two standard errors",
+        "measured by the probes; bands: two standard errors",
         1,
-        vec![panel],
+        panels,
     ))
 }
 

@@ -11,7 +11,7 @@ use cli::telemetry::session::Session;
 use cli::telemetry::simulated;
 use cli::telemetry::source::{self, Chunks, PortOperator};
 use cli::telemetry::{picture, view};
-use spindle_firmware::spindle::ROWS;
+use spindle_file::spindles::SpindleFile;
 use spindle_monitor::command::Order;
 use std::fs::File;
 use std::io::{self, BufWriter, Cursor, Write};
@@ -54,8 +54,8 @@ struct Arguments {
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     shaft_stands: bool,
 
-    /// The spindle is as it should be: its probes' ratios so far are the reference, with the board in service; with --view,
-    /// press c
+    /// The spindle is as it should be: preload and gains of now count as those of commissioning, with the board in service; with
+    /// --view, press c
     #[arg(long, requires = "port", conflicts_with_all = NO_BOARD)]
     commission: bool,
 
@@ -67,9 +67,17 @@ struct Arguments {
     #[arg(long, value_name = "FILE", group = "source")]
     replay: Option<String>,
 
-    /// Without a board: the shipped monitor on this machine, fed with the project's milling cycle
+    /// Without a board: its monitor on this machine, fed with a recording
     #[arg(long, group = "source")]
     simulate: bool,
+
+    /// The simulated spindle: a file as `cargo replay` reads it [default: the firmware's own, examples/firmware/spindle.toml]
+    #[arg(value_name = "SPINDLE.toml", requires = "simulate", conflicts_with_all = ["port", "replay"])]
+    spindle: Option<PathBuf>,
+
+    /// Its recorded loads, as for `cargo emulate` [default: the project's milling cycle]
+    #[arg(value_name = "RECORDING", requires = "spindle")]
+    recording: Option<String>,
 
     /// Stop the simulation after so much recorded time
     #[arg(long, value_name = "S", requires = "simulate", conflicts_with_all = ["port", "replay"])]
@@ -171,9 +179,18 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
         return Ok((source::recorded(path)?, None));
     }
     let end = arguments.seconds.unwrap_or(f64::INFINITY);
-    let rows = recordings::read(record_of(ROWS), None, &Wanted::default())?
-        .take_while(|row| row.as_ref().map_or(true, |row| row.time_s < end));
-    let bytes = simulated::stream(&rows.collect::<Result<Vec<_>, _>>()?);
+    let own = cli::root().join("examples/firmware/spindle.toml");
+    let file = SpindleFile::read(arguments.spindle.as_ref().unwrap_or(&own))?;
+    let cycle = record_of(file.plan.rows.len()).to_owned();
+    let path = arguments.recording.as_ref().unwrap_or(&cycle);
+    let wanted = Wanted {
+        probes: file.probes.iter().map(|probe| probe.name.clone()).collect(),
+        shares_times: true,
+        ..Wanted::default()
+    };
+    let rows = recordings::read(path, None, &wanted)?;
+    let rows = rows.take_while(|row| row.as_ref().map_or(true, |row| row.time_s < end));
+    let bytes = simulated::stream(&file, rows)?;
     Ok((source::stream(Cursor::new(bytes)), None))
 }
 
@@ -211,5 +228,9 @@ mod tests {
         }
         assert!(parse(&["--simulate", "--seconds", "2"]).is_ok());
         assert!(parse(&["--replay", "stream", "--seconds", "2"]).is_err());
+        assert!(parse(&["--simulate", "spindle.toml", "loads.csv"]).is_ok());
+        for source in [&["--port", "COM3"][..], &["--replay", "stream"]] {
+            assert!(parse(&[source, &["spindle.toml"]].concat()).is_err());
+        }
     }
 }

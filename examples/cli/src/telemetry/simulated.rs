@@ -1,49 +1,71 @@
-//! Telemetry without a board: the shipped monitor runs on this machine, fed with a recording.
+//! Telemetry without a board: the monitor of a spindle runs on this machine, fed with a recording.
 //!
 //! It is the monitor of the STM32F405 with its settings, tick by tick. What takes a board is left at zero: cycles and
 //! overruns. The link takes all there is.
 
+use crate::board::monitor_of;
+use crate::fault::LoadsError;
+use crate::stream::per_tick::PerTick;
+use anyhow::Result;
 use spindle_file::loads::LoadRow;
-use spindle_firmware::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE, monitor_settings};
-use spindle_monitor::Marks;
+use spindle_file::spindles::SpindleFile;
+use spindle_firmware::spindle::{ROWS, monitor_settings};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
-use spindle_monitor::{Monitor, Readings};
+use spindle_monitor::{Marks, Readings};
+use std::array::from_fn;
 
-/// Settings of the STM32F405's monitor.
+/// Settings of the STM32F405's monitor of the shipped spindle.
 pub static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 
 /// One revolution per minute.
 const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
 
-/// The bytes that the monitor sends while it samples a recording in every tick, in a straight line between two rows.
-pub fn stream(rows: &[LoadRow]) -> Vec<u8> {
-    let mut monitor: Monitor<ROWS, BALLS, 12, FREEDOMS, JOINTS> = Monitor::new(&SPINDLE, &MONITOR);
-    // A start without a solution is one that the first ticks make up for.
-    let _ = monitor.prepare(IDLE);
-    let mut bytes = Vec::new();
-    let mut time_us = 0;
-    for (from, to) in rows.iter().zip(rows.iter().skip(1)) {
-        while (time_us as f64) < to.time_s * 1e6 {
-            let part = (time_us as f64 * 1e-6 - from.time_s) / (to.time_s - from.time_s);
-            let between = |from: f64, to: f64| (from + part * (to - from)) as f32;
-            let sample = LoadSample {
-                time_us,
-                load: core::array::from_fn(|i| between(from.load[i], to.load[i])),
-                speed: Some(RAD_PER_S * between(from.speed_rpm, to.speed_rpm)),
-                residual: 0.0,
-                doubts: Marks::new(),
-            };
-            let readings = Readings {
-                loads: Ok(Some(sample)),
-                speed: None,
-                temperatures: from.temperatures.map(|read| read.map(|t| t as f32)),
-            };
-            monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
-            bytes.extend(core::iter::from_fn(|| monitor.outbox().next_byte()));
-            time_us += u64::from(MONITOR.tick.period_us);
-        }
+/// The bytes that the monitor of a spindle sends while it samples a recording in every tick.
+///
+/// # Errors
+///
+/// The spindle has no such monitor, or the recording cannot be read.
+pub fn stream(
+    file: &SpindleFile,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+) -> Result<Vec<u8>> {
+    match file.probes.len() {
+        0 => sent::<0>(file, rows),
+        1 => sent::<1>(file, rows),
+        2 => sent::<2>(file, rows),
+        3 => sent::<3>(file, rows),
+        _ => sent::<4>(file, rows),
     }
-    bytes
+}
+
+fn sent<const P: usize>(
+    file: &SpindleFile,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+) -> Result<Vec<u8>> {
+    let settings = file.settings(&Core::STM32F405);
+    let mut monitor = monitor_of::<P>(file, Some(Core::STM32F405), settings)?;
+    let mut bytes = Vec::new();
+    for tick in PerTick::new(rows, settings.tick.period_us) {
+        let tick = tick?;
+        let time_us = u64::from(tick.record.sequence) * u64::from(settings.tick.period_us);
+        let record = tick.record;
+        let sample = LoadSample {
+            time_us,
+            load: [record.fx, record.fy, record.fz, record.my, record.mz],
+            speed: Some(RAD_PER_S * record.speed_rpm),
+            residual: 0.0,
+            doubts: Marks::new(),
+        };
+        let readings = Readings {
+            loads: Ok(Some(sample)),
+            speed: None,
+            temperatures: tick.temperatures,
+        };
+        monitor.note_displacements(from_fn(|i| tick.probes[i]));
+        monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
+        bytes.extend(core::iter::from_fn(|| monitor.outbox().next_byte()));
+    }
+    Ok(bytes)
 }

@@ -1,18 +1,19 @@
 //! State of the spindle by the frames so far.
 
 use super::decoder::{Event, Gap, Tally};
-use serde::Serialize;
-use serde_json::{Value, json};
 use spindle_bearing::Facing;
 use spindle_monitor::Alarm;
+use spindle_monitor::board::BoardReport;
 use spindle_monitor::command::{Answer, Order};
+use spindle_monitor::estimator::Estimate;
 use spindle_monitor::framing::FrameError;
 use spindle_monitor::judgement::AlarmState;
+use spindle_monitor::retained::StartReport;
 use spindle_monitor::telemetry::{
-    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, Payload, ProbesReport, RowPlace,
-    RowReport, ShaftReport,
+    AlarmReport, BallReport, BallsReport, EstimateReport, Frame, HealthReport, Payload,
+    ProbesReport, RowPlace, RowReport, ShaftReport,
 };
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 
 /// Estimates that are kept for the course over time: a minute at a hundred a second.
 pub const HISTORY: usize = 6000;
@@ -24,6 +25,8 @@ pub struct Point {
     pub time: f64,
     /// Stiffness at the nose, N/m and N m/rad.
     pub stiffness: [f32; 5],
+    /// Preload ([`State::preload`]).
+    pub preload: Option<Estimate>,
     /// The sample behind it was good, and it was solved: the estimate is none of an earlier tick.
     pub trusted: bool,
 }
@@ -67,16 +70,16 @@ pub fn words(order: &Order) -> String {
         } => format!("acknowledge {alarm}, occurrence {raised} of start {start}"),
         Order::ReplaceBearing => "take the bearing for a new one".into(),
         Order::ShaftStands => "believe that the shaft stands".into(),
-        Order::Commission => "take the probes' ratios so far for the reference".into(),
+        Order::Commission => "count changes of the preload from now on".into(),
     }
 }
 
-/// The last report of each kind, and the course of the stiffness at the nose.
+/// The last report of each kind, and the course of stiffness and preload.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct State {
     /// Latest time of any frame, us.
     pub time_us: u64,
-    /// The course of the stiffness.
+    /// The course of stiffness and preload.
     pub history: VecDeque<Point>,
     /// The last estimate.
     pub estimate: Option<EstimateReport>,
@@ -86,12 +89,16 @@ pub struct State {
     pub rows: Vec<Option<RowReport>>,
     /// The last report on the probes.
     pub probes: Option<ProbesReport>,
+    /// The last counters.
+    pub health: Option<HealthReport>,
+    /// This start of the monitor.
+    pub start: Option<StartReport>,
+    /// The board on itself.
+    pub board: Option<BoardReport>,
     /// Places of the rows and of the nose on the shaft.
     pub shaft: Option<ShaftReport>,
     /// The last report of each alarm, in the order of [`Alarm::ALL`], and the time of its last change, us.
     pub alarms: [Option<(u64, AlarmReport)>; Alarm::COUNT],
-    /// The last report of each other kind under its name in JSON, field by field.
-    pub reports: BTreeMap<&'static str, Value>,
     /// The last answer to an order.
     pub answer: Option<Answer>,
     /// Counts of the decoder.
@@ -140,6 +147,7 @@ impl State {
                 self.history.push_back(Point {
                     time: time_us as f64 * 1e-6,
                     stiffness: report.stiffness,
+                    preload: self.preload(),
                     trusted: report.age <= FRESH && report.marks.is_empty(),
                 });
             }
@@ -164,7 +172,7 @@ impl State {
                 };
                 *place = Some((since, *report));
             }
-            Payload::Health(report) => self.report("health", report),
+            Payload::Health(report) => self.health = Some(*report),
             Payload::Probes(report) => self.probes = Some(report.clone()),
             Payload::Answer(answer) => {
                 let (order, outcome) = (words(&answer.order), answer.outcome.name());
@@ -172,15 +180,10 @@ impl State {
                 self.answer = Some(*answer);
             }
             Payload::Hello(report) => {
-                self.report("board", &report.board);
-                self.report("start", &report.start);
+                (self.start, self.board) = (Some(report.start), Some(report.board));
                 self.shaft = Some(report.shaft.clone());
             }
         }
-    }
-
-    fn report(&mut self, name: &'static str, report: &impl Serialize) {
-        self.reports.insert(name, json!(report));
     }
 
     fn take_balls(&mut self, report: &BallsReport) {
@@ -236,6 +239,20 @@ impl State {
                 let first = rows.next();
                 rows.any(|row| Some(row.mirrored) != first.map(|first| first.mirrored))
             })
+    }
+
+    /// The preload, N: as the probes have measured it; without probes as it is computed, without an error, of the row with the least. None
+    /// without rows that face each other.
+    pub fn preload(&self) -> Option<Estimate> {
+        if let Some(report) = &self.probes {
+            return report.preload;
+        }
+        let rows = self.rows.iter().flatten().filter(|_| self.is_opposed());
+        let least = rows.map(|row| row.preload).reduce(f32::min)?;
+        Some(Estimate {
+            value: least,
+            error: 0.0,
+        })
     }
 
     /// Whether a row has lost the preload that it had from the others.

@@ -1,10 +1,12 @@
-//! The live view: each row with its place and its load, stiffness over time, alarms and counters. A polar picture of each
+//! The live view: each row with its place and its load, stiffness and preload over time, alarms and health in words. A polar picture of each
 //! row shows the balls' forces.
 
 use super::session::Session;
 use super::source::Chunks;
+use crate::telemetry::findings;
+use crate::telemetry::health::Health;
 use crate::telemetry::operator::wants_a_board;
-use crate::telemetry::state::{Balls, FRESH, State, facing};
+use crate::telemetry::state::{Balls, FRESH, Point, State, facing};
 use anyhow::{Context, Result};
 use ratatui::DefaultTerminal;
 use ratatui::buffer::Buffer;
@@ -15,19 +17,20 @@ use ratatui::symbols::Marker;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::canvas::{self, Canvas, Circle};
 use ratatui::widgets::{Axis, Block, Chart, Dataset, Paragraph, Row, Table, Widget, Wrap};
-use serde_json::{Value, json};
 use spindle_bearing::Frequencies;
 use spindle_file::monitors::against;
 use spindle_monitor::Alarm;
+use spindle_monitor::estimator::{self, Estimate};
 use spindle_monitor::judgement::AlarmState;
-use spindle_monitor::response;
 use std::ops::Range;
-use std::slice;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 /// Seconds of the course that are shown.
 const WINDOW: f64 = 60.0;
+
+/// Seconds from one bar of the preload's error to the next.
+const BARS: f64 = 1.0;
 
 /// Time between two pictures.
 const REFRESH: Duration = Duration::from_millis(100);
@@ -75,8 +78,14 @@ const fn flag(is_amiss: bool) -> Style {
 
 fn render(state: &State, area: Rect, buffer: &mut Buffer) {
     let count = state.row_count().clamp(1, MOST_ROWS);
-    let alarms = state.standing().count().max(1) as u16;
+    let alarms = alarm_lines(state);
     let probes = probe_lines(state);
+    let health = health_lines(state);
+    // A line more for words that do not fit at the end of one.
+    let lines = health
+        .iter()
+        .map(|line| 1 + line.width() as u16 / area.width.max(1));
+    let lines: u16 = lines.sum();
     // The loads say all of a single row.
     let rows = match count {
         1 => 0,
@@ -87,8 +96,8 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(rows),
         Constraint::Min(8),
         Constraint::Length(probes.len() as u16),
-        Constraint::Length(alarms + 2),
-        Constraint::Length(12),
+        Constraint::Length(alarms.len() as u16 + 2),
+        Constraint::Length(lines + 3),
     ])
     .areas(area);
     // Cells are about twice as high as wide.
@@ -98,16 +107,28 @@ fn render(state: &State, area: Rect, buffer: &mut Buffer) {
         Constraint::Length(wanted.min(area.width / 2)),
     ])
     .areas(middle);
-    let [linear, tilting] =
-        Layout::vertical([Constraint::Fill(3), Constraint::Fill(2)]).areas(left);
+    let [linear, below_it] = Layout::vertical([Constraint::Fill(1); 2]).areas(left);
     Paragraph::new(header(state)).render(head, buffer);
     Widget::render(row_table(state), table, buffer);
-    course(state, "N/um", 0..3, 1e-6, linear, buffer);
-    course(state, "kN m/rad", 3..5, 1e-3, tilting, buffer);
+    stiffness(state, "N/um", 0..3, 1e-6, linear, buffer);
+    match state.preload() {
+        Some(now) => preload(state, now, below_it, buffer),
+        None => stiffness(state, "kN m/rad", 3..5, 1e-3, below_it, buffer),
+    }
     row_pictures(state, count, right, buffer);
     Paragraph::new(probes).render(seen, buffer);
-    Widget::render(alarm_table(state), below, buffer);
-    health(state).render(counters, buffer);
+    let title = match state.unacknowledged() {
+        0 => " alarms ".into(),
+        count => format!(" alarms: {count} not acknowledged "),
+    };
+    let alarms = Paragraph::new(alarms).block(boxed(title));
+    alarms.render(below, buffer);
+    let mut frame = boxed(" health ");
+    if let Some(said) = &state.said {
+        frame = frame.title_bottom(format!(" {said} "));
+    }
+    let health = Paragraph::new(health).block(frame);
+    health.wrap(Wrap { trim: false }).render(counters, buffer);
 }
 
 fn header(state: &State) -> Vec<Line<'static>> {
@@ -209,8 +230,21 @@ fn round_up(x: f64) -> f64 {
     power * (x / power * (1.0 - 1e-12)).ceil()
 }
 
+/// A curve over time.
+type Curve = (Color, Vec<(f64, f64)>);
+
+/// Times of the course that are shown, s, and its points. A doubted sample leaves a gap: its estimate is an older one.
+fn shown(state: &State) -> ([f64; 2], impl Iterator<Item = &Point> + Clone) {
+    let end = state.history.back().map_or(0.0, |point| point.time);
+    let first = state.history.front().map_or(0.0, |point| point.time);
+    let start = (end - WINDOW).max(first);
+    let points = state.history.iter();
+    let points = points.filter(move |point| point.trusted && point.time >= start);
+    ([start, end.max(start + 1.0)], points)
+}
+
 /// Some of the stiffness at the nose over time, and the last values.
-fn course(
+fn stiffness(
     state: &State,
     unit_name: &str,
     elements: Range<usize>,
@@ -218,41 +252,94 @@ fn course(
     area: Rect,
     buffer: &mut Buffer,
 ) {
-    let end = state.history.back().map_or(0.0, |point| point.time);
-    let first = state.history.front().map_or(0.0, |point| point.time);
-    let start = (end - WINDOW).max(first);
-    let end = end.max(start + 1.0);
-    // A doubted sample leaves a gap: its estimate is an older one.
-    let points = state.history.iter();
-    let points: Vec<_> = points
-        .filter(|point| point.trusted && point.time >= start)
-        .collect();
+    let (times, points) = shown(state);
     let mut title = vec![Span::raw(" at the nose: ")];
-    let mut highest: f64 = 0.0;
-    let mut lines = Vec::new();
+    let mut curves = Vec::new();
     for i in elements {
         let (name, colour) = DIRECTIONS[i];
-        let line = points.iter();
-        let line: Vec<_> = line
+        let points = points.clone();
+        let curve: Vec<_> = points
             .map(|point| (point.time, f64::from(point.stiffness[i]) * unit))
             .collect();
-        highest = line.iter().fold(highest, |most, (_, y)| most.max(*y));
-        let last = line.last().map_or("?".into(), |(_, y)| format!("{y:.1}"));
+        let last = curve.last().map_or("?".into(), |(_, y)| format!("{y:.1}"));
         title.push(format!("{name} {last}  ").fg(colour));
-        lines.push((colour, line));
+        curves.push((colour, curve));
     }
     title.push(format!("{unit_name} ").into());
-    let datasets = lines.iter().map(|(colour, line)| {
+    let highest = curves.iter().flat_map(|(_, curve)| curve);
+    let highest = highest.fold(0.0, |most, (_, y)| f64::max(most, *y));
+    course(
+        times,
+        [0.0, round_up(highest)],
+        title,
+        &curves,
+        area,
+        buffer,
+    );
+}
+
+/// The preload over time, and that of now: with two standard errors, where probes have measured it.
+fn preload(state: &State, now: Estimate, area: Rect, buffer: &mut Buffer) {
+    let (times, points) = shown(state);
+    let known = points.filter_map(|point| Some((point.time, point.preload?)));
+    let known = known.map(|(time, of)| (time, [of.value, 2.0 * of.error].map(f64::from)));
+    let known: Vec<_> = known
+        .filter(|(_, of)| of.iter().all(|x| x.is_finite()))
+        .collect();
+    let ends = known
+        .iter()
+        .map(|(_, [value, error])| [value - error, value + error]);
+    let ends = ends.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let [least, most] = ends.unwrap_or([0.0, 1.0]);
+    // A steady preload is a line in the middle.
+    let size = most.abs().max(least.abs()).max(f64::MIN_POSITIVE);
+    let step = 10_f64.powf(size.log10().floor() - 1.0);
+    let bottom = step * ((least - 0.1 * size).max(0.0) / step).floor();
+    let top = step * ((most + 0.1 * size) / step).ceil();
+    let mut curve: Vec<_> = known
+        .iter()
+        .map(|(time, [value, _])| (*time, *value))
+        .collect();
+    // A bar at times, of as many levels as there are dots.
+    let dots = 4 * i32::from(area.height.max(1));
+    for bar in known.chunk_by(|a, b| (a.0 / BARS).floor() == (b.0 / BARS).floor()) {
+        let (time, [value, error]) = bar[0];
+        let levels = (-dots..=dots).map(|i| f64::from(i) / f64::from(dots));
+        curve.extend(levels.map(|part| (time, value + part * error)));
+    }
+    let title = match &state.probes {
+        Some(_) => format!("{:.0} +- {:.0} N measured", now.value, now.error),
+        None => format!("{:.0} N computed", now.value),
+    };
+    let title = vec![" preload: ".into(), title.fg(INNER), " ".into()];
+    course(times, [bottom, top], title, &[(INNER, curve)], area, buffer);
+}
+
+/// Curves between two levels.
+fn course(
+    times: [f64; 2],
+    [bottom, top]: [f64; 2],
+    title: Vec<Span<'_>>,
+    curves: &[Curve],
+    area: Rect,
+    buffer: &mut Buffer,
+) {
+    let datasets = curves.iter().map(|(colour, curve)| {
         let dataset = Dataset::default().marker(Marker::Braille);
-        dataset.fg(*colour).data(line)
+        dataset.fg(*colour).data(curve)
     });
-    let top = round_up(highest);
-    let x = [format!("{start:.0} s"), format!("{end:.0} s")];
-    let y = [0.0, top / 2.0, top].map(|y| (y as f32).to_string());
+    let x = times.map(|time| format!("{time:.0} s"));
+    let y = [bottom, 0.5 * (bottom + top), top];
+    let labels = y.map(|y| (y as f32).to_string());
     Chart::new(datasets.collect())
         .block(boxed(title))
-        .x_axis(Axis::default().bounds([start, end]).style(FAINT).labels(x))
-        .y_axis(Axis::default().bounds([0.0, top]).style(FAINT).labels(y))
+        .x_axis(Axis::default().bounds(times).style(FAINT).labels(x))
+        .y_axis(
+            Axis::default()
+                .bounds([bottom, top])
+                .style(FAINT)
+                .labels(labels),
+        )
         .render(area, buffer);
 }
 
@@ -356,144 +443,77 @@ fn polar(balls: &Balls, scale: f64, name: &str, area: Rect, buffer: &mut Buffer)
         .render(area, buffer);
 }
 
-/// Alarms that are about probes.
-const OF_PROBES: [Alarm; 3] = [Alarm::StiffnessLoss, Alarm::StiffnessGain, Alarm::Probe];
-
-/// Measured over computed displacement, a line a probe; none without probes.
+/// How the spindle stands by its probes, and then each of them; none without probes.
 fn probe_lines(state: &State) -> Vec<Line<'static>> {
+    use estimator::State as S;
     let Some(report) = &state.probes else {
         return Vec::new();
     };
-    let probes = report.probes.iter().enumerate().map(|(i, probe)| {
-        let ratio = probe.ratio.map_or("no reference yet".into(), |ratio| {
-            let [value, error] = [ratio.value, ratio.error].map(|x| 100.0 * x);
-            format!("compliance {value:.2} +- {error:.2} % of that at commissioning")
-        });
-        let (steps, age) = (probe.steps, probe.age);
-        let name = probe.state.name();
-        let words = format!(" probe {i} {name}: {ratio}, {steps} load steps, last {age} ticks ago");
-        let is_amiss = !matches!(probe.state, response::State::Learning | response::State::Ok);
-        Line::styled(words, flag(is_amiss))
-    });
-    let mut lines: Vec<_> = probes.collect();
+    let line = |name: String, of: S, words: String| {
+        let is_amiss = !matches!(of, S::Learning | S::Unknown | S::Ok);
+        Line::styled(format!(" {name} {}: {words}", of.name()), flag(is_amiss))
+    };
+    let spindle = findings::of_spindle(report);
+    let mut lines = vec![line("spindle".into(), report.state, spindle)];
+    for (i, probe) in report.probes.iter().enumerate() {
+        let words = findings::of_probe(probe);
+        lines.push(line(format!("probe {i}"), probe.state, words));
+    }
     if report.aliased {
-        let words = "   runout cannot be told from drift at this speed: readings are not used";
+        let words = " runout cannot be told from drift at this speed: readings do not count";
         lines.push(words.into());
     }
     lines
 }
 
-fn alarm_table(state: &State) -> Table<'static> {
-    let rows = state.standing().map(|(since, report)| {
+/// Alarms that stand or want attention, a line each, and where to look, which the name of some does not say.
+fn alarm_lines(state: &State) -> Vec<Line<'static>> {
+    let mut lines = Vec::new();
+    for (since, report) in state.standing() {
         let style = match report.state {
             AlarmState::Raised => flag(true).bold(),
             AlarmState::Latched => Style::new().fg(Color::Yellow),
             _ => Style::new().fg(FAINT),
         };
-        let is_of_probes = OF_PROBES.contains(&report.alarm);
-        let ball = report.place.filter(|_| !is_of_probes);
-        let ball = ball.and_then(|of| state.row_and_ball(of));
-        let place = match (ball, report.place) {
-            (Some((row, ball)), _) if state.row_count() > 1 => format!("row {row} ball {ball}"),
-            (_, Some(probe)) if is_of_probes => format!("probe {probe}"),
-            (_, Some(ball)) => format!("ball {ball}"),
-            (_, None) => String::new(),
+        let (place, look_at) = match (report.alarm, report.place) {
+            (Alarm::Probe, Some(probe)) => (format!("probe {probe}"), None),
+            (Alarm::StiffnessLoss | Alarm::StiffnessGain, Some(probe)) => {
+                let look_at = "a support, the probe, its mount or the load cells";
+                (format!("probe {probe}"), Some(look_at))
+            }
+            (_, Some(ball)) => match state.row_and_ball(ball) {
+                Some((row, ball)) if state.row_count() > 1 => {
+                    (format!("row {row} ball {ball}"), None)
+                }
+                _ => (format!("ball {ball}"), None),
+            },
+            (_, None) => (String::new(), None),
         };
-        let row = Row::new([
-            format!(" {}", report.alarm.name()),
-            report.state.name().into(),
+        let line = format!(
+            " {:<16} {:<12} {:<26} {place:<14} since {:.2} s, {} times",
+            report.alarm.name(),
+            report.state.name(),
             against(report.alarm, report.value, report.limit),
-            place,
-            format!("since {:.2} s", *since as f64 * 1e-6),
-            format!("{} times", report.raised),
-        ]);
-        row.style(style)
-    });
-    let mut rows: Vec<_> = rows.collect();
-    if rows.is_empty() {
-        rows.push(Row::new([" none"]));
+            *since as f64 * 1e-6,
+            report.raised,
+        );
+        lines.push(Line::styled(line, style));
+        lines.extend(look_at.map(|words| Line::styled(format!("   {words}"), style)));
     }
-    let title = match state.unacknowledged() {
-        0 => " alarms ".into(),
-        count => format!(" alarms: {count} not acknowledged "),
-    };
-    Table::new(rows, [16, 12, 26, 14, 18, 12]).block(boxed(title))
+    if lines.is_empty() {
+        lines.push(" none".into());
+    }
+    lines
 }
 
-/// A number of any size in few columns.
-fn short(x: f32) -> String {
-    match x.abs() {
-        0.0 | 1e-3..1e5 => format!("{x:.3}"),
-        _ => format!("{x:.3e}"),
-    }
-}
-
-/// The last reports of monitor and board, field by field under their names in JSON, and the counts of the link.
-fn health(state: &State) -> Paragraph<'static> {
-    let mut lines = Vec::new();
-    for (title, report) in &state.reports {
-        let mut words = vec![format!(" {title}:").bold()];
-        fields("", report, &mut words);
-        lines.push(Line::from(words));
-    }
-    let mut link = format!(" {}", state.tally);
-    if let Some(error) = state.last_damage {
-        link += &format!(", last: {error}");
-    }
-    let is_hurt = state.tally.lost + state.tally.damaged > 0;
-    lines.push(Line::from(vec![
-        " link:".bold(),
-        Span::styled(link, flag(is_hurt)),
-    ]));
-    let mut block = boxed(" health ");
-    if let Some(said) = &state.said {
-        block = block.title_bottom(format!(" {said} "));
-    }
-    Paragraph::new(lines)
-        .block(block)
-        .wrap(Wrap { trim: false })
-}
-
-/// Adds names and values of a report's fields. A blank that does not break keeps them together.
-fn fields(path: &str, value: &Value, words: &mut Vec<Span<'static>>) {
-    if let Value::Object(of) = value {
-        for (name, value) in of {
-            // Bits, and counts of a row of alarms.
-            if !matches!(&**name, "alarms" | "marks" | "raised") {
-                fields(&format!("{path} {name}"), value, words);
-            }
-        }
-        return;
-    }
-    let path = path.trim_start();
-    words.push(format!("  {}", path.replace(' ', ".")).fg(FAINT));
-    let name = path.rsplit(' ').next().unwrap_or(path);
-    let values = value
-        .as_array()
-        .map_or(slice::from_ref(value), Vec::as_slice);
-    for value in values {
-        let text = match value {
-            Value::String(word) => word.clone(),
-            Value::Number(number) if number.is_f64() => {
-                short(number.as_f64().unwrap_or(f64::NAN) as f32)
-            }
-            _ => value.to_string(),
-        };
-        let style = flag(is_amiss(name, value));
-        words.push(Span::styled(format!("\u{a0}{text}"), style));
-    }
-}
-
-/// Whether a value tells of a fault.
-fn is_amiss(name: &str, value: &Value) -> bool {
-    match (name, value.as_str().unwrap_or_default()) {
-        ("availability", _) => value.as_f64().is_some_and(|share| share < 0.9),
-        ("corrupt" | "damaged" | "disordered" | "failed", "") => *value != json!(0),
-        ("late" | "lost" | "missed_ticks" | "overruns", "") => *value != json!(0),
-        (_, "assumed" | "damaged" | "failed" | "held" | "no-memory") => true,
-        (_, "other-spindle" | "other-version") => true,
-        _ => false,
-    }
+/// What is wrong, and then the rest of what is known of monitor, board and link.
+fn health_lines(state: &State) -> Vec<Line<'static>> {
+    let Health { wrong, rest } = Health::of(state);
+    let lists = [(wrong, true), (rest, false)].into_iter();
+    let lists = lists.filter(|(words, _)| !words.is_empty());
+    let lines = lists
+        .map(|(words, is_wrong)| Line::styled(format!(" {}", words.join("; ")), flag(is_wrong)));
+    lines.collect()
 }
 
 /// Shows a stream until its reader presses q, Esc or Ctrl-C. At the end of the stream the view stays.

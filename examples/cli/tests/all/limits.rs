@@ -9,7 +9,9 @@ use cli::recordings;
 use cli::stream::per_tick::PerTick;
 use cli::stream::{ROOM, TEMPERATURES};
 use cli::telemetry::simulated::MONITOR;
+use cli::truth::Truth;
 use spindle_file::monitors::level;
+use spindle_file::mounting::preload;
 use spindle_file::spindles::SpindleFile;
 use spindle_firmware::chain::{self, Chain};
 use spindle_firmware::spindle::{BALLS, FREEDOMS, IDLE, JOINTS, ROWS, SPINDLE};
@@ -18,8 +20,8 @@ use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
-use spindle_monitor::tick::{NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Monitor, Past, ProbeSettings, Readings, ResponseSettings, record};
+use spindle_monitor::tick::{CycleCost, NoCycles, NoWatchdog};
+use spindle_monitor::{Alarm, Monitor, Past, Probes, Readings, record};
 use std::array::from_fn;
 use std::fmt::Write;
 use std::path::Path;
@@ -30,7 +32,8 @@ const SHIPPED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/spindle.
 
 /// Alarms of the firmware's chain, which has all over its port: time in ms, name, whether it was raised.
 fn of_chain(path: &str) -> Vec<(u64, &'static str, bool)> {
-    let monitor = chain::monitor(&Past::default(), &MONITOR);
+    let probes = Box::leak(Box::new(chain::probes(&MONITOR)));
+    let monitor = chain::monitor(probes, &Past::default(), &MONITOR);
     let mut chain = Chain::new(Box::new(monitor));
     chain.prepare().unwrap();
     let mut events = Vec::new();
@@ -107,25 +110,21 @@ struct Board {
     bytes: Vec<u8>,
     /// Alarms that were raised or cleared: time in ms, name, whether it was raised, level.
     alarms: Vec<(u64, String, bool, String)>,
-    /// Ratios, as `--limits` writes them, and the last one of each probe.
-    ratios: Vec<String>,
-    last: [String; 2],
+    /// Estimates, as `--limits` writes them, and the last ones.
+    estimates: Vec<String>,
+    last: [String; 3],
 }
 
 impl Board {
     fn new(file: &SpindleFile) -> Self {
         static SETTINGS: MonitorSettings<ROWS> = {
             let mut settings = MONITOR;
-            settings.tick.cost = settings.tick.cost.with_probes(2);
+            settings.tick.cost = CycleCost::CORTEX_M4F.with_probes(2);
             settings
         };
-        let probes = Box::leak(Box::new(ResponseSettings {
-            probes: from_fn(|i| ProbeSettings {
-                position: file.probes[i].position as f32,
-                direction: file.probes[i].direction.map(|e| e as f32),
-                accuracy: file.probes[i].accuracy as f32,
-            }),
-        }));
+        let response = Box::leak(Box::new(preload::response::<2>(file).unwrap()));
+        let probes = Probes::new(response, &SETTINGS.alarms, SETTINGS.tick.period_us);
+        let probes = Box::leak(Box::new(probes));
         let mut monitor = Box::new(Monitor::with_probes(&SPINDLE, &SETTINGS, probes));
         monitor.prepare(IDLE).unwrap();
         Self {
@@ -136,7 +135,7 @@ impl Board {
             frames: FrameReader::new(),
             bytes: Vec::new(),
             alarms: Vec::new(),
-            ratios: Vec::new(),
+            estimates: Vec::new(),
             last: Default::default(),
         }
     }
@@ -194,19 +193,25 @@ impl Board {
                 }
                 Payload::Probes(report) => {
                     let time = frame.time_us as f64 / 1e6;
-                    for ((name, probe), last) in ["axial", "nose"]
-                        .iter()
-                        .zip(&report.probes)
-                        .zip(&mut self.last)
-                    {
-                        let ratio = probe.ratio.map(|ratio| 100.0 * ratio.value);
-                        let ratio = ratio.map_or(String::new(), |ratio| format!("{ratio:.4}"));
-                        let line = format!("probe {name},{},{ratio},,%", probe.state.name());
-                        if *last != line {
-                            self.ratios.push(format!("{time},{line}"));
-                            *last = line;
-                        }
+                    let preload = report.preload.unwrap().value;
+                    let [axial, nose] = [0, 1].map(|i| &report.probes[i]);
+                    let lines = [
+                        format!("preload,{},{preload:.0},,N", report.state.name()),
+                        format!(
+                            "probe axial,{},{:.1},,%",
+                            axial.state.name(),
+                            100.0 * axial.gain.value
+                        ),
+                        format!(
+                            "probe nose,{},{:.1},,%",
+                            nose.state.name(),
+                            100.0 * nose.gain.value
+                        ),
+                    ];
+                    for line in lines.iter().filter(|line| !self.last.contains(line)) {
+                        self.estimates.push(format!("{time},{line}"));
                     }
+                    self.last = lines;
                 }
                 _ => {}
             }
@@ -219,28 +224,33 @@ impl Board {
     }
 }
 
-/// A loss of preload after the commissioning, then an axial probe whose readings do not change.
+/// A loss of preload after commissioning, then an axial probe whose readings do not change.
 #[test]
-fn alarms_and_ratios_of_probes_are_those_of_the_board() {
+fn alarms_and_estimates_of_probes_are_those_of_the_board() {
     let path = scratch("probed.toml");
     let text = std::fs::read_to_string(SHIPPED).unwrap();
     let folder = Path::new(SHIPPED).parent().unwrap().to_str().unwrap();
     let text = text.replace("\"../", &format!("\"{folder}/../")) + PROBES;
     std::fs::write(&path, &text).unwrap();
-    let mut csv = recording(12_007.0, 24, (100.0, 10.0));
+    let truth = Truth {
+        preload: [230.0, 160.0],
+        change: 52.0,
+        ..Truth::SOUND
+    };
+    let mut csv = recording(truth, 66.0);
     csv = csv
         .lines()
         .enumerate()
         .map(|(i, line)| {
             let mut fields: Vec<&str> = line.split(',').collect();
-            if i > 14_000 {
+            if i > 60_000 {
                 fields[7] = "40";
             }
             fields.join(",") + "\n"
         })
         .collect();
     let path = path.to_str().unwrap();
-    let args = [path, "-", "--limits", "--commission", "0:8"];
+    let args = [path, "-", "--limits"];
     let warm = ["--t_inner", "25", "--t_outer", "22"];
     let (status, out, err) = replayed(&[&args[..], &warm].concat(), &csv);
     assert_eq!(status, 0, "{err}");
@@ -255,9 +265,6 @@ fn alarms_and_ratios_of_probes_are_those_of_the_board() {
     let rows = recordings::Loads::from_reader("", csv, None, &wanted).unwrap();
     for (number, tick) in PerTick::new(rows, MONITOR.tick.period_us).enumerate() {
         let tick = tick.unwrap();
-        if number == 8000 {
-            board.ask(Order::Commission);
-        }
         let probes = tick.probes.map(|um| um.unwrap_or(f32::NAN));
         board.bytes.extend(command::encode(Command::Probes(probes)));
         board.bytes.extend(record::encode(&tick.record));
@@ -268,10 +275,10 @@ fn alarms_and_ratios_of_probes_are_those_of_the_board() {
         board.tick(1000 * number as u64);
     }
     let lines = table(&out, EVENTS);
-    let (ratios, alarms): (Vec<_>, Vec<_>) =
-        lines.iter().partition(|line| line[1].starts_with("probe "));
-    let ratios: Vec<String> = ratios.iter().map(|line| line.join(",")).collect();
-    assert_eq!(ratios, board.ratios);
+    let is_estimate = |line: &&Vec<&str>| line[1] == "preload" || line[1].starts_with("probe ");
+    let (estimates, alarms): (Vec<_>, Vec<_>) = lines.iter().partition(is_estimate);
+    let estimates: Vec<String> = estimates.iter().map(|line| line.join(",")).collect();
+    assert_eq!(estimates, board.estimates);
     let alarms = alarms.iter().map(|line| {
         let time: f64 = line[0].parse().unwrap();
         let time = (time * 1e3).round() as u64;
@@ -280,9 +287,9 @@ fn alarms_and_ratios_of_probes_are_those_of_the_board() {
     });
     assert_eq!(alarms.collect::<Vec<_>>(), board.alarms);
     for told in [
-        "stiffness-loss,raised",
+        "preload-change,raised",
         ",probe,raised",
-        "probe nose,stiffness-loss,",
+        "preload,preload-loss,1",
         "probe axial,probe,",
     ] {
         assert!(out.contains(told), "{told}:\n{out}");

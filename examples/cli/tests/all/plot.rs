@@ -118,6 +118,60 @@ fn results_of_an_elastic_spindle_are_drawn() {
     }
 }
 
+const RESPONSE: &str = "time_s,state,preload_n,preload_error_n,change_percent,change_error_percent,steps,\
+    gain_axial,gain_error_axial,state_axial,gain_nose,gain_error_nose,state_nose\n";
+
+/// Half learning, then as it should be, then with less preload.
+fn measured(lines: usize, of_preload: impl Fn(usize) -> String) -> String {
+    let line = |i: usize| {
+        let state = match 3 * i / lines {
+            0 => "learning",
+            1 => "ok",
+            _ => "preload-loss",
+        };
+        let (time, preload) = (i + 1, of_preload(i));
+        format!("{time},{state},{preload},,,{i},1.1,0.02,ok,0.95,0.01,probe\n")
+    };
+    RESPONSE.to_owned() + &(0..lines).map(line).collect::<String>()
+}
+
+#[test]
+fn preload_gains_and_states_are_drawn_over_time() {
+    let preload = |i: usize| format!("{},5", if i < 20 { 250 } else { 200 });
+    let svg = drawn(&[], &measured(30, preload));
+    for text in [
+        "Preload / N",
+        "Gain: measured over computed motion",
+        "\nspindle\n",
+        "\naxial\n",
+        "\nnose\n",
+        "\nlearning\n",
+        "\nok\n",
+        "\npreload-loss\n",
+        "\nprobe\n",
+        "time / s",
+    ] {
+        assert!(svg.contains(text), "{text} is missing in\n{svg}");
+    }
+    // States that have not been have no place.
+    assert!(!svg.contains("stiffness-loss") && !svg.contains("unknown"));
+    // Of preload and of both gains, and in the legend.
+    assert_eq!(count(&svg, "<polygon opacity=\"0.25\""), 3 + 3, "{svg}");
+    let gains = drawn(&[], &measured(30, |_| ",".into()));
+    assert!(!gains.contains("Preload /") && gains.contains("\naxial\n"));
+    assert_eq!(count(&gains, "<polygon opacity=\"0.25\""), 2 + 2, "{gains}");
+}
+
+/// A state that lasts for a line is seen in a picture of ten hours.
+#[test]
+fn a_long_response_has_its_worst_state() {
+    let text = measured(36_000, |_| "250,5".into());
+    let text = text.replace("\n18000,ok,", "\n18000,stiffness-gain,");
+    let svg = drawn(&[], &text);
+    assert!(svg.contains("\nstiffness-gain\n"));
+    assert!(svg.len() < 100_000, "{}", svg.len());
+}
+
 #[test]
 fn balls_are_drawn_at_the_time_of_the_largest_force_or_the_one_that_is_wanted() {
     let path = scratch("plot-balls.csv");
@@ -174,6 +228,14 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
     refused(&[], &empty, "no ball has forces, nothing to draw");
     let idle = balls.replace("1,1", "0,0");
     refused(&[], &idle, "no ball carries a force at 0 s");
+    let lines = measured(1, |_| "250,5".into());
+    refused(
+        &[],
+        &lines,
+        "there are fewer than two lines, nothing to draw",
+    );
+    let without = measured(3, |_| "250,5".into()).replace("gain_axial", "gain");
+    refused(&[], &without, "the column gain_axial is missing");
     let nameless = balls.replace("q_o_n", "q");
     refused(&[], &nameless, "the column q_o_n is missing");
 
@@ -214,18 +276,19 @@ fn what_cannot_be_drawn_is_said_with_its_place() {
 #[test]
 fn any_file_is_drawn_or_refused() {
     let results = results("");
-    let headers = [results.trim_end(), "time_s,row,azimuth_rad,q_i_n,q_o_n"];
+    let balls = "time_s,row,azimuth_rad,q_i_n,q_o_n";
+    let headers = [results.trim_end(), balls, RESPONSE.trim_end()];
     let pieces = [
         "0", "1", "-1", "1e308", "-1e308", "1e-320", "nan", "inf", "", "7", "1e15", "3.3", "400",
         "\"", "x\n", "\u{e9}",
     ];
     let mut random = Random::seeded(1);
     let mut drawn = 0;
-    for seed in 0..600 {
-        let header = headers[seed % 2];
+    for seed in 0..900 {
+        let header = headers[seed % 3];
         let columns = header.split(',').count();
         // The stranger pieces in every third file only.
-        let kinds = if seed % 3 == 0 { 16 } else { 13 };
+        let kinds = if seed % 4 == 0 { 16 } else { 13 };
         let mut text = format!("{header}\n");
         for _ in 0..12 {
             let fields: Vec<_> = (0..columns).map(|_| pieces[random.below(kinds)]).collect();

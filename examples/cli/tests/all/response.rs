@@ -1,12 +1,9 @@
-//! `cargo replay --response`: a recording with probes, of a spindle that loses preload.
+//! `cargo replay --response`: recordings with probes, of a spindle that is another one than its file's.
 
 use crate::replay::{ran, replayed, scratch};
+use cli::truth::Truth;
 use spindle_file::designs::SHIPPED;
-use spindle_file::dispatch::Precision;
-use spindle_file::loads::LoadRow;
-use spindle_file::solvers::{Balls, with_solver};
 use spindle_file::spindles::SpindleFile;
-use std::f64::consts::TAU;
 use std::path::Path;
 
 pub const PROBES: &str = "
@@ -14,13 +11,13 @@ pub const PROBES: &str = "
 name = \"axial\"
 position_mm = -10
 direction = \"x\"
+accuracy_um = 0.2
 [[probe]]
 name = \"nose\"
 position_mm = -10
 angle_deg = 30
+accuracy_um = 0.2
 ";
-const CUT: [f64; 5] = [-90.0, 270.0, 135.0, 6.75, -13.5];
-
 fn text(preload: f64, probes: &str) -> String {
     let row = |x: f64, facing: &str| {
         format!(
@@ -34,143 +31,223 @@ fn text(preload: f64, probes: &str) -> String {
     format!("name = \"s\"\npreload_n = {preload}\n{rows}{shaft}{probes}")
 }
 
-/// Displacements at the probes without a load and in the cut, um.
-fn seen(preload: f64, speed_rpm: f64) -> [[f64; 2]; 2] {
-    let file = SpindleFile::parse("s.toml", &text(preload, PROBES), Path::new(SHIPPED)).unwrap();
-    let solved = with_solver(&file.plan, Balls::Free, Precision::F64, |solver| {
-        [[0.0; 5], CUT].map(|load| {
-            let row = LoadRow {
-                time_s: 0.0,
-                load,
-                speed_rpm,
-                temperatures: None,
-                probes: [None; 4],
-            };
-            let answer = solver.answer(&file.question_at_probes(&row));
-            [0, 1].map(|i| file.probes[i].sees(&answer.at[i].displacement))
-        })
-    });
-    solved.unwrap()
+/// So many seconds of a spindle whose file says 250 N.
+pub fn recording(truth: Truth, seconds: f64) -> String {
+    let file = SpindleFile::parse("s.toml", &text(250.0, PROBES), Path::new(SHIPPED)).unwrap();
+    truth.recording(&file, seconds).unwrap()
 }
 
-/// Half a second of cutting each second, of a spindle that has so much of its 250 N from a time on. No load is stuck.
-pub fn recording(rpm: f64, seconds: u32, (preload, change): (f64, f64)) -> String {
-    let truth = [250.0, preload].map(|preload| seen(preload, rpm));
-    let mut csv =
-        "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,probe_axial_um,probe_nose_um\n".to_owned();
-    for i in 0..1000 * seconds {
-        let time = f64::from(i) / 1e3;
-        let cuts = (time - 0.3).rem_euclid(1.0) < 0.5;
-        let [x, y] = truth[usize::from(time >= change)][usize::from(cuts)];
-        let turn = TAU * time * rpm / 60.0;
-        let runout = 3.0 * (turn.cos() + (2.0 * turn).sin());
-        let load = CUT.map(|load| if cuts { load } else { 0.0 });
-        let noise = 1e-3 * f64::from(i % 7);
-        let load = load.map(|load| (load + noise).to_string()).join(",");
-        csv += &format!(
-            "{time},{load},{rpm},{:.4},{:.4}\n",
-            1.02 * x + runout + 40.0,
-            y - runout
-        );
+/// Exit status, messages and the file, by columns.
+struct Written {
+    status: i32,
+    told: String,
+    text: String,
+}
+
+impl Written {
+    fn of(spindle: &str, args: &[&str], csv: &str, name: &str) -> Self {
+        let [file, out] = ["toml", "csv"].map(|end| scratch(&format!("{name}.{end}")));
+        std::fs::write(&file, spindle).unwrap();
+        let all = [
+            file.to_str().unwrap(),
+            "-",
+            "--response",
+            out.to_str().unwrap(),
+        ];
+        let (status, results, told) = replayed(&[&all[..], args].concat(), csv);
+        assert_eq!(results, "");
+        let text = std::fs::read_to_string(&out).unwrap_or_default();
+        Self { status, told, text }
     }
-    csv
-}
 
-/// Exit status, messages and the file.
-fn response(spindle: &str, args: &[&str], csv: &str, name: &str) -> (i32, String, String) {
-    let [file, out] = ["toml", "csv"].map(|end| scratch(&format!("{name}.{end}")));
-    std::fs::write(&file, spindle).unwrap();
-    let all = [
-        file.to_str().unwrap(),
-        "-",
-        "--response",
-        out.to_str().unwrap(),
-    ];
-    let (status, results, told) = replayed(&[&all[..], args].concat(), csv);
-    assert_eq!(results, "");
-    let text = std::fs::read_to_string(&out).unwrap_or_default();
-    (status, told, text)
+    /// The field of a column in the line of a second.
+    fn at(&self, second: u32, column: &str) -> &str {
+        let mut lines = self.text.lines();
+        let column = lines
+            .next()
+            .unwrap()
+            .split(',')
+            .position(|one| one == column);
+        let line = lines.find(|line| line.starts_with(&format!("{second},")));
+        line.unwrap().split(',').nth(column.unwrap()).unwrap()
+    }
+
+    fn number(&self, second: u32, column: &str) -> f64 {
+        self.at(second, column).parse().unwrap()
+    }
 }
 
 #[test]
-fn a_recording_with_probes_tells_a_loss_of_preload() {
-    let csv = recording(12_007.0, 14, (100.0, 8.0));
-    let spindle = text(250.0, PROBES);
-    let (status, told, text) = response(&spindle, &["--commission", "0:8"], &csv, "loss");
-    assert_eq!(status, 0, "{told}");
-    let mut lines = text.lines();
-    assert_eq!(
-        lines.next(),
-        Some("time_s,probe,ratio,ratio_error,steps,state")
+fn a_recording_tells_the_preload_and_its_loss() {
+    let truth = Truth {
+        preload: [220.0, 170.0],
+        change: 60.0,
+        ..Truth::SOUND
+    };
+    let written = Written::of(
+        &text(250.0, PROBES),
+        &["--commission", "2:55"],
+        &recording(truth, 80.0),
+        "loss",
     );
-    let truth = [100.0, 250.0].map(|preload| seen(preload, 12_007.0));
-    for (i, line) in lines.enumerate() {
-        let fields: Vec<&str> = line.split(',').collect();
-        let (second, probe) = (i / 2 + 1, i % 2);
-        assert_eq!(fields[0], second.to_string());
-        assert_eq!(fields[1], ["axial", "nose"][probe]);
-        if second < 8 {
-            assert_eq!((fields[2], fields[3], fields[5]), ("", "", "learning"));
-        }
-        if second >= 10 {
-            let [now, was] = truth.map(|[idle, cut]| cut[probe] - idle[probe]);
-            let ratio: f64 = fields[2].parse().unwrap();
-            let error: f64 = fields[3].parse().unwrap();
-            assert!((ratio / (now / was) - 1.0).abs() < 0.003, "{line}");
-            assert!(error < 0.02, "{line}");
-            assert_eq!(fields[5], "stiffness-loss");
-        }
+    let Written {
+        status,
+        told,
+        text: csv,
+    } = &written;
+    assert_eq!(*status, 0, "{told}");
+    assert!(csv.starts_with(
+        "time_s,state,preload_n,preload_error_n,change_percent,change_error_percent,steps,\
+         gain_axial,gain_error_axial,state_axial,gain_nose,gain_error_nose,state_nose\n"
+    ));
+    assert_eq!(csv.lines().count(), 81);
+    for second in [1, 30, 54] {
+        assert_eq!(written.at(second, "state"), "learning");
+        assert_eq!(written.at(second, "change_percent"), "");
     }
-    assert_eq!(text.lines().count(), 1 + 2 * 14);
-    let plotted = ran(env!("CARGO_BIN_EXE_plot"), &["-"], text.as_bytes());
-    assert_eq!((plotted.0, &*plotted.2), (0, ""));
-    assert!(plotted.1.contains("axial") && plotted.1.contains("nose"));
-    // The reference is complete after 20 engagements.
-    let csv = recording(12_007.0, 25, (100.0, 22.0));
-    let (_, _, text) = response(&spindle, &[], &csv, "learning");
-    for (second, state) in [(20, "learning"), (22, "ok"), (25, "stiffness-loss")] {
-        let is_of = |line: &&str| line.starts_with(&format!("{second},"));
-        let lines: Vec<_> = text.lines().filter(is_of).collect();
+    assert!(told.contains("replay: commissioned at 55"), "{told}");
+    assert!(told.contains("replay: probe axial: 1."), "{told}");
+    for (second, preload, change, state) in
+        [(59, 220.0, 0.0, "ok"), (79, 170.0, -22.7, "preload-loss")]
+    {
+        let (found, error) = (
+            written.number(second, "preload_n"),
+            written.number(second, "preload_error_n"),
+        );
         assert!(
-            lines.len() == 2 && lines.iter().all(|line| line.ends_with(state)),
-            "{lines:?}"
+            (found - preload).abs() < (2.5 * error).min(12.0),
+            "{found} +- {error}"
         );
+        let found = written.number(second, "change_percent");
+        assert!((found - change).abs() < 5.0, "{found}");
+        assert_eq!(written.at(second, "state"), state);
+        for (probe, gain) in [("axial", 1.05), ("nose", 0.97)] {
+            let found = written.number(second, &format!("gain_{probe}"));
+            assert!((found - gain).abs() < 0.04, "{probe}: {found}");
+            assert_eq!(written.at(second, &format!("state_{probe}")), "ok");
+        }
+    }
+    let plotted = ran(env!("CARGO_BIN_EXE_plot"), &["-"], csv.as_bytes());
+    assert_eq!((plotted.0, &*plotted.2), (0, ""));
+}
+
+#[test]
+fn commissioning_says_what_it_lacks() {
+    let short = recording(Truth::SOUND, 20.0);
+    let written = Written::of(
+        &text(250.0, PROBES),
+        &["--commission", "0:30"],
+        &short,
+        "short",
+    );
+    assert_eq!(written.status, 0, "{}", written.told);
+    let is_told =
+        |written: &Written, words: &str| assert!(written.told.contains(words), "{}", written.told);
+    is_told(&written, "steps before commissioning, which takes 200");
+    is_told(&written, "the recording ends before 30 s");
+    assert_eq!(written.at(20, "state"), "learning");
+    // One cut alone, then others.
+    let truth = Truth {
+        one_until: 50.0,
+        ..Truth::SOUND
+    };
+    let csv = recording(truth, 90.0);
+    let lines: Vec<&str> = csv.split_inclusive('\n').take(48_000).collect();
+    let written = Written::of(&text(250.0, PROBES), &[], &lines.concat(), "one");
+    is_told(
+        &written,
+        "loads of another direction or size: preload known to ",
+    );
+    let written = Written::of(&text(250.0, PROBES), &[], &csv, "others");
+    is_told(&written, "replay: commissioned at ");
+    assert_eq!(written.at(89, "state"), "ok");
+    // A window outside of the recording alone is refused.
+    for window in ["90:95", "-9:-5"] {
+        let written = Written::of(
+            &text(250.0, PROBES),
+            &["--commission", window],
+            &short,
+            "outside",
+        );
+        assert_eq!(written.status, 2, "{}", written.told);
+        is_told(&written, "outside of it");
     }
 }
 
 #[test]
-fn a_response_says_what_it_lacks() {
-    let csv = recording(30_000.0, 2, (100.0, 8.0));
-    let (status, told, text_) =
-        response(&text(250.0, PROBES), &["--commission", "0:1"], &csv, "lack");
-    assert_eq!(status, 0, "{told}");
-    assert_eq!(told.matches("runout at 30000 rpm").count(), 1, "{told}");
+fn a_probe_at_fault_keeps_nothing_from_the_other_one() {
+    let of = |gains: [f64; 2], name: &str| {
+        let truth = Truth {
+            gains,
+            ..Truth::SOUND
+        };
+        Written::of(&text(250.0, PROBES), &[], &recording(truth, 70.0), name)
+    };
+    let millimetres = of([0.001, 0.97], "mm");
     assert!(
-        told.contains(
-            "probe axial: 0 load steps until 1 s, where a reference needs 6; widen --commission"
-        ),
-        "{told}"
+        millimetres.told.contains("replay: probe axial: 0.0"),
+        "{}",
+        millimetres.told
     );
-    assert!(text_.contains("\n2,nose,,,0,learning\n"), "{text_}");
-    let (status, told, _) = response(&text(250.0, ""), &[], &csv, "none");
+    let negative = of([1.05, -0.97], "negative");
+    assert!(
+        negative.told.contains("replay: probe nose: -0.9"),
+        "{}",
+        negative.told
+    );
+    for (written, bad, good) in [
+        (&millimetres, "axial", "nose"),
+        (&negative, "nose", "axial"),
+    ] {
+        assert_eq!(written.at(69, &format!("state_{bad}")), "probe");
+        assert!(written.number(69, &format!("gain_error_{good}")) < 0.05);
+    }
+    assert_eq!(negative.at(69, "state"), "ok");
+}
+
+#[test]
+fn a_response_says_what_is_missing() {
+    let fast = Truth {
+        rpm: 30_000.0,
+        ..Truth::SOUND
+    };
+    let csv = recording(fast, 2.0);
+    let written = Written::of(&text(250.0, PROBES), &[], &csv, "lack");
+    let Written { status, told, .. } = &written;
+    assert_eq!(*status, 0, "{told}");
+    let line = "at 1000 Hz, 30000 rpm stands still: 1250 Hz does not";
+    assert_eq!(told.matches(line).count(), 1, "{told}");
+    assert_eq!(written.at(2, "state"), "learning");
+    let Written { status, told, .. } = Written::of(&text(250.0, ""), &[], &csv, "none");
     assert_eq!(status, 2);
     assert!(told.contains("has no [[probe]]; add one with"), "{told}");
     let other = csv.replace("probe_", "sensor_");
-    let (status, told, _) = response(&text(250.0, PROBES), &[], &other, "other");
+    let Written { status, told, .. } = Written::of(&text(250.0, PROBES), &[], &other, "other");
     assert_eq!(status, 2);
     assert!(
         told.contains("there is no column probe_axial_um; add one"),
         "{told}"
     );
-    let (status, told, _) = response(
-        &text(250.0, PROBES),
-        &["--commission", "5:1"],
-        &csv,
-        "order",
-    );
+    let args = ["--commission", "5:1"];
+    let Written { status, told, .. } = Written::of(&text(250.0, PROBES), &args, &csv, "order");
     assert_eq!(status, 2);
     assert!(
         told.contains("give seconds FROM:TO, such as 0:10"),
         "{told}"
     );
+}
+
+/// At another rate, with another tick.
+#[test]
+fn a_slow_logger_tells_it_too() {
+    let truth = Truth {
+        rpm: 12_007.0,
+        step: 0.004,
+        half: 0.6,
+        ..Truth::SOUND
+    };
+    let written = Written::of(&text(250.0, PROBES), &[], &recording(truth, 150.0), "slow");
+    assert_eq!(written.at(149, "state"), "ok", "{}", written.told);
+    let found = written.number(149, "preload_n");
+    assert!((found - 220.0).abs() < 15.0, "{found}");
 }

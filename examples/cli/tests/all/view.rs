@@ -13,11 +13,12 @@ use spindle_monitor::Alarm;
 use spindle_monitor::Mark;
 use spindle_monitor::board::{BoardReport, Check};
 use spindle_monitor::command::{self, Command, Order, Request};
+use spindle_monitor::estimator::{Estimate, State as ProbeState};
 use spindle_monitor::judgement::{AlarmChange, AlarmState};
-use spindle_monitor::response::{ProbeReport, Ratio, State as ProbeState};
 use spindle_monitor::retained::{Recovery, RetentionReport};
 use spindle_monitor::telemetry::{
-    AlarmReport, EstimateReport, HealthReport, HelloReport, Payload, ProbesReport, encode,
+    AlarmReport, EstimateReport, HealthReport, HelloReport, Payload, ProbeReport, ProbesReport,
+    encode,
 };
 use std::io::{Cursor, Read, Write};
 use std::sync::mpsc::RecvTimeoutError;
@@ -220,13 +221,13 @@ fn a_pair_shows_both_rows_and_their_places_on_the_shaft() {
         " rim 90 N ",
         "nose at 90 mm, loads at 120 mm, mounted with 250 N",
         "row 1 ball 3",
-        "temperature_sources measured held",
-        "temperatures 41.200 36.500",
+        "inner side 41.2 °C;",
+        "outer side 36.5 °C is held: not measured any more",
     ];
     shows(&state, &parts);
     let screen = view::screen(&state, 120, 45);
-    assert_eq!(colour(&screen, "held"), Some(Color::Red));
-    assert_eq!(colour(&screen, "measured"), Some(Color::Reset));
+    assert_eq!(colour(&screen, "outer side 36.5"), Some(Color::Red));
+    assert_eq!(colour(&screen, "inner side 41.2"), Some(Color::Reset));
     assert_eq!(
         colour(&screen, "row 0  -20    +x     412"),
         Some(Color::Reset)
@@ -354,53 +355,143 @@ fn any_state_can_be_drawn_on_any_screen() {
     }
 }
 
-#[test]
-fn probes_are_shown_with_their_ratios() {
-    let probe = |state, ratio: Option<[f32; 2]>| ProbeReport {
+const fn one(value: f32, error: f32) -> Estimate {
+    Estimate { value, error }
+}
+
+/// A report of two probes on a spindle of 250 N.
+fn measured(state: ProbeState, of_probes: [ProbeState; 2]) -> ProbesReport {
+    let probe = |(state, ratio)| ProbeReport {
         state,
-        ratio: ratio.map(|[value, error]| Ratio { value, error }),
-        steps: 46,
-        age: 312,
+        gain: one(0.987, 0.0123),
+        ratio,
     };
-    let report = |aliased, probes: [ProbeReport; 2]| {
-        Payload::Probes(ProbesReport {
-            aliased,
-            probes: probes.into_iter().collect(),
-        })
+    let ratios = [Some(0.9871), Some(0.001)];
+    ProbesReport {
+        state,
+        preload: Some(one(198.4, 6.2)),
+        change: Some(one(-0.208, 0.021)),
+        steps: 341,
+        aliased: false,
+        probes: of_probes.into_iter().zip(ratios).map(probe).collect(),
+    }
+}
+
+/// The view of a pair with this report, and an alarm.
+fn measured_pair(report: ProbesReport, alarms: &[AlarmReport]) -> State {
+    let alarms = alarms.iter().copied().map(Payload::Alarm);
+    let report = [Payload::Probes(report)];
+    let estimates = (0..100).map(|_| Payload::Estimate(estimate(6e7)));
+    state_of(
+        pair()
+            .into_iter()
+            .chain(report)
+            .chain(alarms)
+            .chain(estimates),
+    )
+}
+
+#[test]
+fn the_measured_preload_is_drawn_with_its_error_and_each_probe_has_its_line() {
+    let lost = measured(ProbeState::PreloadLoss, [ProbeState::Ok, ProbeState::Probe]);
+    let state = measured_pair(lost, &[]);
+    let parts = [
+        " preload: 198 +- 6 N measured ",
+        "spindle preload-loss: 20.8 +- 2.1 % of the preload is lost, 341 load steps",
+        "probe 0 ok: gain 0.987 +- 0.012",
+        "probe 1 probe: does not follow the loads: 0.0010 of the computed motion: mm for um?",
+    ];
+    shows(&state, &parts);
+    let screen = view::screen(&state, 120, 45);
+    for (part, expected) in parts[1..]
+        .iter()
+        .zip([Color::Red, Color::Reset, Color::Red])
+    {
+        assert_eq!(colour(&screen, part), Some(expected), "{part}");
+    }
+    // The curve, and a bar of four standard errors, on the left of the balls.
+    let curve = dots(&screen, Color::Green);
+    let heights = curve.iter().filter(|(x, _)| *x < 50.0).map(|(_, y)| *y);
+    let ends = heights
+        .map(|y| [y; 2])
+        .reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let [least, most] = ends.unwrap();
+    assert!(most > least, "{least} to {most}");
+}
+
+#[test]
+fn a_preload_without_probes_is_the_computed_one_and_a_row_alone_has_none() {
+    let state = state_of(pair().into_iter().chain([Payload::Estimate(estimate(6e7))]));
+    shows(&state, &[" preload: 244 N computed "]);
+    assert!(!text(&state).contains("probe"));
+    shows(&state_of([Payload::Estimate(estimate(6e7))]), &["Kty 8.0"]);
+    // Probes on rows that do not face each other know no preload.
+    let report = ProbesReport {
+        preload: None,
+        change: None,
+        ..measured(ProbeState::Learning, [ProbeState::Learning; 2])
     };
-    let soft = [
-        probe(ProbeState::Ok, Some([1.0012, 0.0041])),
-        probe(ProbeState::StiffnessLoss, Some([1.0617, 0.0008])),
-    ];
-    let mut loss = alarm(
-        Alarm::StiffnessLoss,
-        AlarmChange::Raised,
-        AlarmState::Raised,
-    );
-    (loss.value, loss.limit, loss.place) = (0.0617, 0.05, Some(1));
-    let mut payloads = pair();
-    payloads.extend([report(false, soft), Payload::Alarm(loss)]);
-    let state = state_of(payloads);
-    let known = [
-        "probe 0 ok: compliance 100.12 +- 0.41 % of that at commissioning, 46 load steps, last 312 ticks ago",
-        "probe 1 stiffness-loss: compliance 106.17 +- 0.08 %",
-        "stiffness-loss  raised",
-        " probe 1 ",
-    ];
-    shows(&state, &known);
-    let unknown = [
-        probe(ProbeState::Learning, None),
-        probe(ProbeState::Probe, None),
-    ];
-    let state = state_of([report(true, unknown)]);
+    let state = measured_pair(report, &[]);
     shows(
         &state,
-        &[
-            "probe 0 learning: no reference yet",
-            "readings are not used",
-        ],
+        &["Kty 8.0", "probe 0 learning: 0.9871 of the computed motion"],
     );
-    assert!(!text(&state_of(pair())).contains("probe"));
+}
+
+#[test]
+fn learning_says_what_is_missing() {
+    let of = |steps, error| ProbesReport {
+        preload: Some(one(250.0, error)),
+        change: None,
+        steps,
+        aliased: true,
+        ..measured(ProbeState::Learning, [ProbeState::Learning; 2])
+    };
+    let due = "loads of another direction or size: preload known to 8 %, 3 % is due";
+    for (steps, error, told) in [
+        (
+            143,
+            19.0,
+            format!("spindle learning: 57 load steps to go; {due}"),
+        ),
+        (200, 19.0, format!("spindle learning: {due}")),
+        (143, 5.0, "spindle learning: 57 load steps to go".into()),
+    ] {
+        let state = measured_pair(of(steps, error), &[]);
+        shows(&state, &[&told, "readings do not count"]);
+        let screen = view::screen(&state, 120, 45);
+        assert_eq!(colour(&screen, &told), Some(Color::Reset));
+    }
+}
+
+#[test]
+fn alarms_of_gains_say_where_to_look() {
+    for (which, state) in [
+        (Alarm::StiffnessLoss, ProbeState::StiffnessLoss),
+        (Alarm::StiffnessGain, ProbeState::StiffnessGain),
+    ] {
+        let raised = AlarmReport {
+            value: 0.0817,
+            limit: 0.05,
+            place: Some(1),
+            ..alarm(which, AlarmChange::Raised, AlarmState::Raised)
+        };
+        let state = measured_pair(measured(state, [ProbeState::Ok, state]), &[raised]);
+        let more = if which == Alarm::StiffnessLoss {
+            "more"
+        } else {
+            "less"
+        };
+        shows(
+            &state,
+            &[
+                &format!("a probe sees {more} motion than the preload explains"),
+                "8.17 of 5 %",
+                "probe 1        since",
+                "a support, the probe, its mount or the load cells",
+            ],
+        );
+    }
 }
 
 #[test]
@@ -475,7 +566,7 @@ fn a_doubted_sample_is_named_and_is_no_point_of_the_course() {
 
 #[test]
 fn hardest_ball_checks_of_the_board_and_words_to_it_are_shown() {
-    for part in ["known_answer", "acknowledged", "ball 11"] {
+    for part in ["self-check", "acknowledged", "ball 11"] {
         assert!(!text(&State::default()).contains(part));
     }
     shows(&State::default(), &["no balls known"]);
@@ -495,8 +586,8 @@ fn hardest_ball_checks_of_the_board_and_words_to_it_are_shown() {
     let parts = [
         "ball 11: 123 N",
         "rim 200 N",
-        "image failed",
-        "known_answer passed",
+        "self-check of code in flash failed",
+        "self-check of a solve passed",
     ];
     shows(&state, &parts);
     shows(&state, &["2 alarms acknowledged"]);
@@ -510,7 +601,7 @@ fn losses_and_counters_are_on_the_health_lines() {
         most_cycles: 120_345,
         retention: RetentionReport {
             recovery: Recovery::OtherSpindle,
-            references: Recovery::Recovered,
+            estimates: Recovery::Recovered,
             damaged: 1,
             written: 12,
             failed: 2,
@@ -520,31 +611,42 @@ fn losses_and_counters_are_on_the_health_lines() {
     let (mut state, mut decoder) = (State::default(), Decoder::new());
     let first = frame(0, Payload::Health(health()));
     note(&mut state, &mut decoder, &[first]);
-    shows(&state, &["retention.recovery no-memory"]);
+    shows(
+        &state,
+        &["no memory: life and alarms are lost with the power"],
+    );
     for event in decoder.push_all(&[9, 1, 1, 0]).collect::<Vec<_>>() {
         state.note(&event, decoder.tally());
     }
     note(&mut state, &mut decoder, &[frame(5, Payload::Health(late))]);
     let parts = [
-        " ticks 1000",
-        "missed_ticks 0",
-        "most_cycles 120345",
-        "marked_samples 41",
-        "retention.recovery other-spindle",
-        "retention.references recovered",
-        "retention.written 12",
+        "3 ticks past their deadline;",
+        "life and alarms begin anew: those kept are another",
+        "1 kept records damaged",
+        "2 records not kept: the flash is worn or full",
+        "1000 ticks;",
+        "120345 cycles in the longest tick",
+        "41 samples doubted",
+        "12 records kept",
         "2 frames in",
-        "4 lost, 1 damaged",
+        "4 lost,",
+        "1 damaged pieces",
         "frame stuffing broken",
     ];
     shows(&state, &parts);
     let screen = view::screen(&state, 120, 45);
     for (text, expected) in [
-        (" 3", Color::Red),
-        ("other-spindle", Color::Red),
-        ("1000", Color::Reset),
-        ("4 lost, 1 damaged", Color::Red),
+        ("3 ticks past", Color::Red),
+        ("begin anew", Color::Red),
+        ("1000 ticks", Color::Reset),
+        ("4 lost,", Color::Red),
     ] {
         assert_eq!(colour(&screen, text), Some(expected), "{text}");
+    }
+    // What is wrong comes first, and what has not happened is left out.
+    let shown = lines(&screen).join("\n");
+    assert!(shown.find("4 lost") < shown.find("1000 ticks"));
+    for none in ["never began", "load records", "estimates of the probes"] {
+        assert!(!shown.contains(none), "{none}");
     }
 }

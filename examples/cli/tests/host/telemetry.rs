@@ -13,15 +13,14 @@ use cli::telemetry::{json, simulated};
 use proptest::prelude::*;
 use serde_json::Value;
 use spindle_file::loads::LoadRow;
+use spindle_file::spindles::SpindleFile;
 use spindle_firmware::spindle::ROWS;
 use spindle_monitor::Alarm;
 use spindle_monitor::board::{BoardReport, Check, ResetCause};
 use spindle_monitor::command::{Answer, AnswerCode, Command, Order, PortReader, Received};
 use spindle_monitor::judgement::{AlarmChange, AlarmState};
 use spindle_monitor::retained::Recovery;
-use spindle_monitor::telemetry::{
-    EstimateReport, Frame, HealthReport, HelloReport, Payload, VERSION, encode,
-};
+use spindle_monitor::telemetry::{EstimateReport, Frame, HelloReport, Payload, VERSION, encode};
 use spindle_monitor::{Mark, TemperatureSource};
 
 pub(super) fn decoded(bytes: &[u8]) -> (Vec<Event>, Decoder) {
@@ -38,6 +37,12 @@ pub(super) fn frames_of(events: &[Event]) -> Vec<&Frame> {
     frames.collect()
 }
 
+/// What the shipped monitor sends of a recording.
+fn simulated_of(rows: &[LoadRow]) -> Vec<u8> {
+    let file = SpindleFile::read(cli::root().join("examples/firmware/spindle.toml")).unwrap();
+    simulated::stream(&file, rows.iter().copied().map(Ok)).unwrap()
+}
+
 /// The recording up to a time, and the monitor's bytes for it.
 pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
     let rows: Result<Vec<_>, _> = recordings::read(record_of(ROWS), None, &Wanted::default())
@@ -45,7 +50,7 @@ pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
         .take_while(|row| row.as_ref().is_ok_and(|row| row.time_s < seconds))
         .collect();
     let rows = rows.unwrap();
-    let bytes = simulated::stream(&rows);
+    let bytes = simulated_of(&rows);
     (rows, bytes)
 }
 
@@ -332,7 +337,7 @@ fn the_simulation_has_a_fresh_estimate_in_every_tick_of_the_recording() {
     }
     // Estimates every 20 ms, pictures of eight frames every 200 ms.
     assert_eq!((estimates, reports), (450, 360));
-    let health: HealthReport = serde_json::from_value(state.reports["health"].clone()).unwrap();
+    let health = state.health.unwrap();
     assert_eq!((health.refusals, health.availability), (0, 1.0));
     assert!(3 * health.estimates > health.ticks, "{health:?}");
 }
@@ -346,7 +351,7 @@ fn the_balls_at_rest_carry_the_load_that_came_in() {
     for (row, time_s) in rows.iter_mut().zip([0.0, 0.05]) {
         (row.time_s, row.load, row.speed_rpm) = (time_s, LOAD, 0.0);
     }
-    let (events, decoder) = decoded(&simulated::stream(&rows));
+    let (events, decoder) = decoded(&simulated_of(&rows));
     let mut state = State::default();
     for event in &events {
         state.note(event, decoder.tally());

@@ -5,9 +5,9 @@ use spindle_file::spindles::SpindleFile;
 use spindle_firmware::spindle;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::enumset::EnumSet;
+use spindle_monitor::estimator::{KEPT, Kept};
 use spindle_monitor::mock::flash::FailingFlash;
-use spindle_monitor::response::Ratio;
-use spindle_monitor::retained::{Recovery, References};
+use spindle_monitor::retained::Recovery;
 use spindle_monitor::tick::Core;
 use spindle_monitor::{Alarm, Identity, Judgement, Life, Store};
 use std::fs::read_to_string;
@@ -52,7 +52,7 @@ fn the_monitors_tests_have_the_shipped_spindle() {
 }
 
 #[test]
-fn another_support_keeps_the_life_and_drops_the_references_and_another_design_drops_both() {
+fn another_support_keeps_the_life_and_drops_the_estimates_and_another_design_drops_both() {
     use Recovery::{OtherSpindle, Recovered};
     const BEARING: &str = "bearing = \"../spindle_file/bearings/b7005c.toml\"";
     const DESIGN: &str = "design = { name = \"of the study\", balls = 16, ball_diameter_mm = 6.35, pitch_diameter_mm = 36.0, \
@@ -67,15 +67,11 @@ fn another_support_keeps_the_life_and_drops_the_references_and_another_design_dr
     let (mut store, _) = Store::open(Words::new(2), with_probe, ResetCause::PowerOn);
     let mut judgement = Judgement::default();
     judgement.latch(Alarm::Overload.into());
-    let mut references = References::default();
-    references[0] = Some(Ratio {
-        value: 1.02,
-        error: 0.01,
-    });
+    let estimates = Some(Kept([1; KEPT]));
     let kept = ((1 << 50, 1 << 40), judgement.unacknowledged());
     let (used, revolutions) = kept.0;
     let life = Life::resume(used, revolutions);
-    assert!(store.power_fails(0, &judgement, &life, &references));
+    assert!(store.power_fails(0, &judgement, &life, estimates));
     let flash = store.into_flash();
     let start = |identity| Store::open(flash.clone(), identity, ResetCause::PowerOn);
     let both = [Recovered; 2];
@@ -119,19 +115,14 @@ fn another_support_keeps_the_life_and_drops_the_references_and_another_design_dr
         let identity = shipped(&[&[("", probe)], changes].concat());
         let (store, past) = start(identity);
         let report = store.report();
-        assert_eq!(
-            [report.recovery, report.references],
-            expected,
-            "{changes:?}"
-        );
+        assert_eq!([report.recovery, report.estimates], expected, "{changes:?}");
         let expected_past = match expected[0] {
             Recovered => kept,
             _ => ((0, 0), EnumSet::new()),
         };
         assert_eq!((past.life, past.start.alarms), expected_past);
-        let found = past.references;
-        assert_eq!(found == references, expected[1] == Recovered);
-        assert_eq!(found == References::default(), expected[1] != Recovered);
+        let found = past.estimates;
+        assert_eq!(found, estimates.filter(|_| expected[1] == Recovered));
         assert_eq!(past.start.boots, 2);
     }
     // Facings, and the place of loads.
@@ -148,11 +139,11 @@ fn another_support_keeps_the_life_and_drops_the_references_and_another_design_dr
     );
     let loaded = shipped(&[("", probe), ("", "[load]\nposition_mm = -60\n")]);
     let report = start(loaded).0.report();
-    assert_eq!([report.recovery, report.references], life);
+    assert_eq!([report.recovery, report.estimates], life);
     let belt = shipped(&[
         ("", probe),
         ("", "[[constant_load]]\nposition_mm = 150\nfy_n = -300\n"),
     ]);
     let report = start(belt).0.report();
-    assert_eq!([report.recovery, report.references], life);
+    assert_eq!([report.recovery, report.estimates], life);
 }

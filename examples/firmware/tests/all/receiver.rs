@@ -5,11 +5,10 @@ use spindle_firmware::receiver::{BAUD, PLACES, Receiver, Ring};
 use spindle_firmware::spindle::DESIGN_0;
 use spindle_monitor::Alarm;
 use spindle_monitor::board::ResetCause;
+use spindle_monitor::estimator::{KEPT, Kept};
 use spindle_monitor::judgement::Levels;
 use spindle_monitor::loads::{FrameCounts, FramedLoads, LoadSource};
 use spindle_monitor::record::{self, LoadRecord};
-use spindle_monitor::response::Ratio;
-use spindle_monitor::retained::References;
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Identity, Judgement, Life, Store};
 use std::cell::{Cell, RefCell};
@@ -162,7 +161,7 @@ struct Ran {
 /// Times at which something new is to be kept, s.
 const ALARM: f64 = 1.3;
 const LATER_ALARM: f64 = 3.7;
-const REFERENCES: f64 = 15.0;
+const ESTIMATES: f64 = 15.0;
 
 /// The main program, as `by_the_timer` has it: it takes bytes, writes the log between ticks, and ticks for so long.
 fn run(has_ring: bool, is_back_to_back: bool, stall_us: u64, tick_us: u64, seconds: u64) -> Ran {
@@ -184,7 +183,7 @@ fn run(has_ring: bool, is_back_to_back: bool, stall_us: u64, tick_us: u64, secon
     let (mut store, _) = Store::open(words, Identity::of(1, 2), ResetCause::PowerOn);
     let (mut judgement, mut life) = (Judgement::default(), Life::NEW);
     life.set_damage(1e-3, 0.0);
-    let mut references = References::default();
+    let mut estimates = None;
     let (mut pace, mut loads) = (Pace::new(CORE_HZ), FramedLoads::new());
     let (mut ticks, mut kept) = (0, Vec::new());
     let pass = |ns| board.borrow_mut().pass(ns, true);
@@ -216,11 +215,10 @@ fn run(has_ring: bool, is_back_to_back: bool, stall_us: u64, tick_us: u64, secon
                 levels.set_value(alarm, if seconds < at { 0.0 } else { f32::INFINITY });
                 let _ = judgement.judge(time_us, &levels, &SETTINGS.alarms, |_| 1000);
             }
-            if seconds >= REFERENCES {
-                let (value, error) = (1.0, 0.01);
-                references[0] = Some(Ratio { value, error });
+            if seconds >= ESTIMATES {
+                estimates = Some(Kept([1; KEPT]));
             }
-            store.look(time_us, &judgement, &life, &references);
+            store.look(time_us, &judgement, &life, estimates);
             if pace.is_overdue() {
                 store.step();
             }
@@ -269,7 +267,7 @@ fn writing_the_log_loses_no_byte_of_the_ring_and_each_record_is_in_time() {
             "{case:?}"
         );
         assert!(u64::from(ran.records) - received <= 3, "{case:?}");
-        let [start, alarm, later, references, life] = ran.kept[..] else {
+        let [start, alarm, later, estimates, life] = ran.kept[..] else {
             panic!("{case:?}: {:?}", ran.kept);
         };
         assert!(start <= 1.0, "{case:?}: {start}");
@@ -277,13 +275,13 @@ fn writing_the_log_loses_no_byte_of_the_ring_and_each_record_is_in_time() {
         // Alarms are kept 10 s apart, and life two minutes after any record.
         let until = alarm + 10.0 + 1.0;
         assert!((LATER_ALARM..=until).contains(&later), "{case:?}: {later}");
-        let until = REFERENCES + 1.0;
+        let until = ESTIMATES + 1.0;
         assert!(
-            (REFERENCES..=until).contains(&references),
-            "{case:?}: {references}"
+            (ESTIMATES..=until).contains(&estimates),
+            "{case:?}: {estimates}"
         );
-        let until = references + 120.0 + 1.0;
-        assert!((references..=until).contains(&life), "{case:?}: {life}");
+        let until = estimates + 120.0 + 1.0;
+        assert!((estimates..=until).contains(&life), "{case:?}: {life}");
     }
 }
 

@@ -25,7 +25,8 @@ pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
     };
     send(&mut output, &postcard::to_extend(&about, Vec::new())?)?;
     let mut marks = [0; Marks::variant_count() as usize];
-    let monitor = chain::monitor(&Past::default(), &MONITOR);
+    let probes = Box::leak(Box::new(chain::probes(&MONITOR)));
+    let monitor = chain::monitor(probes, &Past::default(), &MONITOR);
     let mut chain = Chain::new(Box::new(monitor));
     ensure!(
         chain.prepare().is_ok(),

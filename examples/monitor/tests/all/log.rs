@@ -160,7 +160,7 @@ fn ten_thousand_flips_of_bits_in_both_halves_leave_a_verified_record_or_none() {
             let mut bench = holding.clone();
             bench.random = seeded(round);
             for half in 0..2 {
-                bench.flip_bits(2, half * SECTOR..half * SECTOR + 80 * records);
+                bench.flip_bits(2, half * SECTOR..half * SECTOR + 96 * records);
             }
             let (mut log, found) = Log::open(bench.flash);
             match found {
@@ -259,13 +259,13 @@ fn worn_cells_are_left_behind_and_a_flash_that_takes_nothing_is_told_of() {
 
 #[test]
 fn a_full_log_keeps_its_newest_record_and_says_so() {
-    // 1024 bytes are 12 slots of 80.
-    let mut bench = Bench::<4>::holding(12);
+    // 1024 bytes are 10 slots of 96.
+    let mut bench = Bench::<4>::holding(10);
     let counts = bench.start(None, 0);
     assert_eq!((counts.written, counts.failed), (2, 0));
     assert_eq!(bench.flash.erased, [1, 1]);
-    let counts = bench.start(None, 13);
-    assert_eq!((counts.written, counts.failed), (22, 4));
+    let counts = bench.start(None, 11);
+    assert_eq!((counts.written, counts.failed), (18, 4));
     assert_eq!(counts.error, Some(WriteError::Full));
     bench.begun.clear();
     bench.start(None, 0);
@@ -278,7 +278,7 @@ fn slots_are_whole_units_of_the_flash() {
         Log::<FailingFlash<UNIT, SECTOR>>::SLOT
     }
     let slots = [slot::<1>(), slot::<4>(), slot::<32>(), slot::<64>()];
-    assert_eq!(slots, [80, 80, 96, 128]);
+    assert_eq!(slots, [96, 96, 96, 128]);
 }
 
 proptest! {

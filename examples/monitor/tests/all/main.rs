@@ -2,6 +2,7 @@
 
 mod alarm_times;
 mod cutting;
+mod estimator;
 mod life;
 mod life_between;
 mod log;

@@ -1,18 +1,19 @@
 //! Data kept by `monitor::retained`: what a record holds, when it is written, and how long the log lasts.
 
+use super::estimator::{SETTINGS as SETTINGS_OF_PROBES, taught};
 use embedded_storage::nor_flash::NorFlash;
 use spindle_monitor::Alarm;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
+use spindle_monitor::estimator::{Constants, Estimator, Kept as KeptEstimates};
 use spindle_monitor::judgement::{AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
 use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::mock::rig::{B7005C, SINGLE};
-use spindle_monitor::response::Ratio;
 use spindle_monitor::retained::{
-    Identity, LIFE_US, Past, Recovery, References, RetentionReport, Store, VERSION,
+    Identity, LIFE_US, Past, Recovery, RetentionReport, Store, VERSION,
 };
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
@@ -49,7 +50,7 @@ struct Board<F> {
     found: Past,
     judgement: Judgement,
     life: Life,
-    references: References,
+    estimates: Option<KeptEstimates>,
     time_us: u64,
 }
 
@@ -69,7 +70,7 @@ impl<F: NorFlash> Board<F> {
             found,
             judgement,
             life,
-            references: found.references,
+            estimates: found.estimates,
             time_us: 0,
         }
     }
@@ -109,12 +110,12 @@ impl<F: NorFlash> Board<F> {
 
     fn look(&mut self) {
         self.store
-            .look(self.time_us, &self.judgement, &self.life, &self.references);
+            .look(self.time_us, &self.judgement, &self.life, self.estimates);
     }
 
     fn power_fails(&mut self) -> bool {
         self.store
-            .power_fails(self.time_us, &self.judgement, &self.life, &self.references)
+            .power_fails(self.time_us, &self.judgement, &self.life, self.estimates)
     }
 
     fn now(&self) -> Kept {
@@ -385,9 +386,8 @@ fn the_free_half_lasts_for_years_without_a_restart() {
         let free = slots(slot) / 2;
         128.0 * (64.0_f64 / 63.0).powi(free as i32 - 64) / 60.0 / 24.0 / 365.25
     };
-    assert_eq!(Log::<FailingFlash<4, 131_072>>::SLOT, 80);
-    assert_eq!((slots(80), slots(96)), (1638, 1365));
-    assert!((years(80) - 35.0).abs() < 1.0, "{}", years(80));
+    assert_eq!(Log::<FailingFlash<4, 131_072>>::SLOT, 96);
+    assert_eq!(slots(96), 1365);
     assert!((years(96) - 4.1).abs() < 0.1, "{}", years(96));
     // The law itself: one of these records is the start.
     let mut board = Board::start(Wide::new(2));
@@ -637,37 +637,40 @@ fn without_a_memory_the_monitor_says_so() {
     assert_eq!(start, (0, ResetCause::Watchdog));
     assert_eq!((past.life, past.start.alarms), NOTHING);
     assert_eq!(store.report(), RetentionReport::default());
-    assert!(
-        !store.step()
-            && !store.power_fails(0, &Judgement::default(), &Life::NEW, &References::default())
-    );
+    assert!(!store.step() && !store.power_fails(0, &Judgement::default(), &Life::NEW, None));
 }
 
-/// Errors are rounded to 0.001 %, and stop at 65.5 %.
 #[test]
-fn references_of_the_probes_are_kept_with_the_spindle() {
+fn estimates_of_the_probes_are_kept_with_the_spindle() {
     let mut board = Board::start(Words::new(2));
-    assert_eq!(board.found.references, References::default());
-    assert_eq!(board.store.report().references, Recovery::Blank);
-    let ratio = |value, error| Some(Ratio { value, error });
+    assert_eq!(board.found.estimates, None);
+    assert_eq!(board.store.report().estimates, Recovery::Blank);
     board.stand(1);
     let before = board.records().0;
-    board.references = [ratio(1.02, 0.0123), None, ratio(0.98, 0.9), None];
+    let mut taught = taught();
+    board.estimates = taught.kept();
     board.stand(1);
     board.stand(1);
     assert_eq!(board.records().0, before + 1);
     let board = Board::start(board.off());
-    let rounded = [ratio(1.02, 0.0123), None, ratio(0.98, 0.65535), None];
-    for (found, kept) in board.found.references.into_iter().zip(rounded) {
-        assert_eq!(found.map(|one| one.value), kept.map(|one| one.value));
-        let [found, kept] = [found, kept].map(|one| one.map_or(0.0, |one| one.error));
-        assert!((found - kept).abs() < 2e-7, "{found} {kept}");
-    }
-    // Errors do not grow from start to start.
-    let kept = board.found.references;
+    assert_eq!(board.found.estimates, taught.kept());
+    assert_eq!(board.store.report().estimates, Recovery::Recovered);
+    let mut found = Estimator::<2>::new(&SETTINGS_OF_PROBES, &Constants::USUAL);
+    found.restore(&board.found.estimates.unwrap());
+    assert!(found.is_commissioned() && found.steps() == taught.steps());
+    assert!((found.preload().value - taught.preload().value).abs() < 1e-3);
+    assert!((found.gain(1).value - taught.gain(1).value).abs() < 1e-3);
+    // Opened as by a surprise.
+    let error = found.preload_change().error;
+    assert!(error > 0.15 && error < 0.16, "{error}");
+    // They are the same from start to start, and not another spindle's.
+    let kept = board.found.estimates;
     let mut board = board;
     board.stand(1);
-    let board = Board::start(board.off());
-    assert_eq!(board.found.references, kept);
-    assert_eq!(board.store.report().references, Recovery::Recovered);
+    let flash = board.off();
+    let board = Board::start(flash.clone());
+    assert_eq!(board.found.estimates, kept);
+    let other = Board::start_as(flash, Identity::of(7005, 26));
+    assert_eq!(other.found.estimates, None);
+    assert_eq!(other.store.report().estimates, Recovery::OtherSpindle);
 }

@@ -1,6 +1,7 @@
 //! From a plan, whose sizes are known when a program runs, to a spindle of the library: one type for all plans.
 
 pub mod board;
+pub mod preload;
 
 use crate::designs::short;
 use crate::plan::{BuildError, MOST_BALLS, MOST_ROWS, MOST_SECTIONS, Part, Plan};

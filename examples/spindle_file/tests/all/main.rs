@@ -3,4 +3,5 @@
 mod catalogue;
 mod doubts;
 mod monitor_keys;
+mod preload;
 mod wrong_files;

@@ -162,7 +162,7 @@ fn a_default_of_the_page_is_that_of_the_reader() {
         assert_eq!(found, silent, "{path} = {value}");
         values += 1;
     }
-    assert_eq!(values, 2 + 5 + 7 + 7 + 5 + 1 + 3);
+    assert_eq!(values, 2 + 5 + 7 + 7 + 5 + 1 + 2 + 3);
     // Of a pair.
     assert_eq!(silent.0.telemetry.balls_us, 200_000);
 }
@@ -186,7 +186,7 @@ type Said = (
 const RAD: f64 = PI / 30.0;
 
 #[rustfmt::skip]
-const KEYS: [Said; 40] = [
+const KEYS: [Said; 42] = [
     ("period_ms", "2", |m, _| m.tick.period_us.into(), 2000.0),
     ("loads", "\"bridges\"", |m, _| m.plausibility.speed_stuck_after.into(), 10_000.0),
     ("plausible.fx_n", "[-100, 900]", |m, _| m.plausibility.load[0][1].into(), 900.0),
@@ -223,6 +223,8 @@ const KEYS: [Said; 40] = [
     ("bridges.counts", "[[500, 0, 0, 0, 0], [0, 500, 0, 0, 0], [0, 0, 500, 0, 0], [0, 0, 0, 2e4, 0], [0, 0, 0, 1, 2e4]]",
         |_, s| s.bridges.as_ref().map_or(0.0, |of| of.counts[4][3]), 1.0),
     ("bridges.tare_samples", "200", |_, s| s.tare_samples.into(), 200.0),
+    ("probes.load_error_percent", "3", |_, s| s.load_error.into(), 0.03),
+    ("probes.gain_percent", "5", |_, s| s.gain.into(), 0.05),
     ("telemetry.estimate_ms", "10", |m, _| m.telemetry.estimate_us.into(), 1e4),
     ("telemetry.balls_ms", "100", |m, _| m.telemetry.balls_us.into(), 1e5),
     ("telemetry.health_ms", "2000", |m, _| m.telemetry.health_us.into(), 2e6),
@@ -251,7 +253,8 @@ const OF_LOADS: [OfLoads; 4] = [
 ];
 
 /// Units of alarms in a file; the others are 1.
-const UNITS: [(Alarm, f64); 8] = [
+const UNITS: [(Alarm, f64); 9] = [
+    (Alarm::PreloadChange, 0.01),
     (Alarm::StiffnessLoss, 0.01),
     (Alarm::StiffnessGain, 0.01),
     (Alarm::PeakPressure, 1e9),

@@ -6,8 +6,8 @@ use crate::laws::common::{Ends, run_of};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use crc::{CRC_32_ISO_HDLC, Crc};
 use spindle_monitor::board::ResetCause;
-use spindle_monitor::command::MOST_PROBES;
 use spindle_monitor::enumset::EnumSet;
+use spindle_monitor::estimator::{KEPT, Kept as KeptEstimates};
 use spindle_monitor::log::{Log, PAYLOAD};
 use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::retained::{NorFlash, Recovery, RetentionReport, VERSION};
@@ -187,7 +187,7 @@ fn newest<const UNIT: usize>(bytes: &[u8]) -> Vec<[u8; PAYLOAD]> {
     newest.1
 }
 
-/// Whether a past is of such a payload: number of starts, of these bearings also alarms and life, and references of this spindle.
+/// Whether a past is of such a payload: number of starts, of these bearings also alarms and life, and estimates of this spindle.
 fn is_of(past: &Past, payload: &[u8; PAYLOAD], report: &RetentionReport) -> bool {
     let payload = |place: Range<usize>| &payload[place.start - 4..place.end - 4];
     let number = |place: Range<usize>| {
@@ -199,20 +199,17 @@ fn is_of(past: &Past, payload: &[u8; PAYLOAD], report: &RetentionReport) -> bool
     let is_ours = has_bearings && *payload(DISPLACEMENTS) == displacements;
     let boots = number(28..32).saturating_add(1).min(u32::MAX.into());
     let start = &past.start;
-    let ratios = payload(DISPLACEMENTS.end..4 + PAYLOAD).chunks_exact(6);
-    let ratios = ratios.take(MOST_PROBES).map(|bytes| {
-        let value = f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
-        Some(value).filter(|x| x.is_finite() && *x > 0.0)
-    });
-    let ratios: Vec<_> = ratios.collect();
-    let found = past.references.map(|ratio| ratio.map(|ratio| ratio.value));
-    let referred = match report.references {
-        Recovery::Recovered => is_ours && found[..] == ratios,
-        Recovery::Blank => ratios.iter().all(Option::is_none) && found == [None; MOST_PROBES],
-        Recovery::OtherSpindle => !is_ours && found == [None; MOST_PROBES],
-        other => other == report.recovery && found == [None; MOST_PROBES],
+    let kept = payload(DISPLACEMENTS.end..DISPLACEMENTS.end + KEPT);
+    let found = past.estimates;
+    let estimated = match report.estimates {
+        Recovery::Recovered => {
+            is_ours && found.is_some_and(|KeptEstimates(found)| found[..] == *kept)
+        }
+        Recovery::Blank => kept.iter().all(|byte| *byte == 0) && found.is_none(),
+        Recovery::OtherSpindle => !is_ours && found.is_none(),
+        other => other == report.recovery && found.is_none(),
     };
-    referred
+    estimated
         && match report.recovery {
             Recovery::Recovered => {
                 let same = start.alarms == alarms(number(6..8) as u16)
@@ -275,7 +272,7 @@ fn keep<F: NorFlash>(mut store: Store<F>, past: &Past, start: &Start) -> (F, Kep
     for record in 0..1 + u64::from(start.records % 4) {
         life = Life::resume(used ^ record, revolutions);
         assert!(
-            store.power_fails(record, &judgement, &life, &past.references),
+            store.power_fails(record, &judgement, &life, past.estimates),
             "no room"
         );
     }

@@ -223,7 +223,8 @@ struct Bench {
 
 impl Bench {
     fn new(pace: u32) -> Self {
-        let monitor = chain::monitor(&Past::default(), &MONITOR);
+        let probes = Box::leak(Box::new(chain::probes(&MONITOR)));
+        let monitor = chain::monitor(probes, &Past::default(), &MONITOR);
         let mut chain = Chain::new(Box::new(monitor));
         chain
             .prepare()
@@ -380,8 +381,9 @@ impl Bench {
                 self.ends.insert(answer.outcome.name());
             }
             Payload::Probes(report) => {
-                for ratio in report.probes.iter().filter_map(|probe| probe.ratio) {
-                    assert!(ratio.value.is_finite() && ratio.error >= 0.0, "{ratio:?}");
+                let gains = report.probes.iter().map(|probe| probe.gain);
+                for one in gains.chain(report.preload).chain(report.change) {
+                    assert!(one.value.is_finite() && one.error >= 0.0, "{report:?}");
                 }
             }
             Payload::Hello(_) => {}

@@ -940,7 +940,7 @@ const TABLES: [(&str, &str); 18] = [
 ];
 
 /// Keys of the other tests here, of `monitor_keys.rs` and of `wrong_files.rs`. A name is a text.
-const OTHERS: [&str; 21] = [
+const OTHERS: [&str; 22] = [
     "bearing.name",
     "bearing.inner_shoulder_deg",
     "bearing.outer_shoulder_deg",
@@ -954,6 +954,7 @@ const OTHERS: [&str; 21] = [
     "spindle.shaft.grow_with_speed",
     "spindle.preload_n",
     "spindle.row.preload_offset_um",
+    "spindle.heat.accuracy_k",
     "spindle.monitor",
     "spindle.probe.name",
     "spindle.probe.position_mm",

@@ -25,6 +25,7 @@ mod limits;
 mod motions;
 mod net;
 mod precision;
+mod preload;
 mod refusals;
 mod scenes;
 mod solution;

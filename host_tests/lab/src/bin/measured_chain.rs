@@ -16,9 +16,9 @@ lab::image!(measured::keep, proved: false);
 mod measured {
     use core::hint::black_box;
     use core::mem::MaybeUninit;
-    use spindle_firmware::chain::{self, Chain, SpindleMonitor};
-    use spindle_firmware::spindle::ROWS;
+    use spindle_firmware::chain::{self, Chain, SpindleMonitor, SpindleProbes};
     use spindle_firmware::spindle::{PERIOD_US, monitor_settings};
+    use spindle_firmware::spindle::{PROBES, ROWS};
     use spindle_monitor::Past;
     use spindle_monitor::settings::MonitorSettings;
     use spindle_monitor::tick::{Core, CycleCounter, NoWatchdog};
@@ -44,6 +44,7 @@ mod measured {
     static mut MEASURED_TICK: [u32; 3] = [0; 3];
 
     static mut MADE: MaybeUninit<SpindleMonitor> = MaybeUninit::uninit();
+    static mut SEEN: MaybeUninit<SpindleProbes> = MaybeUninit::uninit();
     static mut CHAIN: MaybeUninit<Chain<&'static mut SpindleMonitor>> = MaybeUninit::uninit();
     static mut TIME_US: u64 = 0;
 
@@ -69,8 +70,9 @@ mod measured {
     unsafe extern "C" fn measured_prepare() -> u32 {
         // SAFETY: one thread, and no reference to it is left from before.
         let chain = unsafe {
-            let (made, built) = (&raw mut MADE, &raw mut CHAIN);
-            let monitor = chain::make(&mut *made, &Past::default(), &MONITOR);
+            let (made, seen, built) = (&raw mut MADE, &raw mut SEEN, &raw mut CHAIN);
+            let probes = (PROBES != 0).then(|| (*seen).write(chain::probes(&MONITOR)));
+            let monitor = chain::make(&mut *made, probes, &Past::default(), &MONITOR);
             (*built).write(Chain::new(monitor))
         };
         u32::from(chain.prepare().is_ok())

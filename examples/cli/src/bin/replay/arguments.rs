@@ -189,19 +189,18 @@ const LIMITS_ALONE: [&str; 17] = [
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Probes")]
 pub struct Probes {
-    /// In the place of the results: write the shaft's measured compliance over the computed one to this CSV file
+    /// In the place of the results: write the preload that the board's monitor measures with the probes to this CSV file
     ///
-    /// The recording has a column probe_NAME_um for each probe of the spindle. A line for each probe and second:
-    /// time_s,probe,ratio,ratio_error,steps,state. The ratio is that of the reference at commissioning divided out.
-    /// States are learning, ok, stiffness-loss, stiffness-gain and probe: the probe does not follow the loads.
+    /// The recording has a column probe_NAME_um for each probe of the spindle. A line for each second:
+    /// time_s,state,preload_n,preload_error_n,change_percent,change_error_percent,steps, then for each probe
+    /// gain_NAME,gain_error_NAME,state_NAME. Errors are standard errors. The change is since commissioning.
     #[arg(long, value_name = "FILE.csv", group = "with_probes", conflicts_with_all = ["table", "summary", "balls", "rows", "nose", "frequencies",
         "given", "select"])]
     pub response: Option<PathBuf>,
 
-    /// Reference of --response, from and to this time, s; without it, the first 20 engagements are the reference
+    /// With --response or --limits: learn from this time on, and do not end commissioning before that one, s
     ///
-    /// With --limits, the board is given the order at TO, and its reference are the readings until then: FROM does not count. Without
-    /// this option, it has no reference.
+    /// Without it, learning begins with the recording, and ends as soon as enough is known.
     #[arg(long, value_name = "FROM:TO", requires = "with_probes", value_parser = window, allow_hyphen_values = true)]
     pub commission: Option<[f64; 2]>,
 }

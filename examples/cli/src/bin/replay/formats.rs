@@ -120,8 +120,8 @@ NOSES.csv, one row for each nose, the plain one being called nose:
   time_s,alarm,event,value,limit,unit
   raised; worse, raised again since its level has grown; or cleared. Its level then, and the limit, or
   the level that ends it, in the unit of [monitor.alarm]. Each alarm is acknowledged at once
-and one for each change of a probe in the board's report of every second, `probe NAME` being the alarm:
-  its state is the event, measured over computed displacement, over that at --commission, the value
+and one for each change in the board's report of the probes, every second: `preload` or `probe NAME` is the alarm,
+  the state of the spindle or of the probe the event, preload or gain the value
 
 Files are written beside their places, as X.*.part, and moved there when they are complete: not where
 the exit status is 1 or 2. A signal (Ctrl-C) removes them, and a later run what a killed one has left.

@@ -2,46 +2,21 @@
 
 use crate::arguments::Args;
 use anyhow::{Context, Result, anyhow, ensure};
+use cli::board::monitor_of;
 use cli::replay::{ReplayError, Summary, Table};
 use cli::stream::per_tick::PerTick;
 use cli::stream::{ROOM, TEMPERATURES};
 use spindle_file::monitors::level;
-use spindle_file::mounting::{MOST_JOINTS, Parts, board};
-use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::alarms::Threshold;
-use spindle_monitor::command::{AnswerCode, Request};
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
-use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
-use spindle_monitor::{Alarm, Marks, Monitor, MonitorSettings, Order, Readings, ResponseSettings};
+use spindle_monitor::tick::{NoCycles, NoWatchdog};
+use spindle_monitor::{Alarm, Marks, Readings};
 use std::array::from_fn;
 use std::io::{self, Write};
-
-/// A monitor of any spindle with `P` probes.
-type DynMonitor<const P: usize> = Monitor<MOST_ROWS, MOST_BALLS, 12, 6, MOST_JOINTS, P>;
-
-/// Makes the monitor of a file on a board. It stays until the program ends, as the board's does.
-fn monitor_of<const P: usize>(
-    file: &SpindleFile,
-    core: Core,
-    settings: MonitorSettings<MOST_ROWS>,
-) -> Result<Box<DynMonitor<P>>> {
-    let plan = board::plan(file, Some(core))?;
-    let explained = |error: BuildError| file.explain(&error);
-    let parts: &'static Parts<f32> = Box::leak(Box::new(Parts::of(&plan).map_err(explained)?));
-    let spindle = parts.spindle(&plan).map_err(explained)?;
-    let probes = Box::leak(Box::new(ResponseSettings {
-        probes: from_fn(|i| file.probes[i].settings()),
-    }));
-    Ok(Box::new(Monitor::with_probes(
-        Box::leak(Box::new(spindle)),
-        Box::leak(Box::new(settings)),
-        probes,
-    )))
-}
 
 /// Runs the monitor over the recording, and writes the alarms to standard output.
 pub fn run(args: &Args) -> Result<Summary> {
@@ -55,30 +30,41 @@ pub fn run(args: &Args) -> Result<Summary> {
     }
 }
 
-/// State and ratio of each probe.
-fn ratios(file: &SpindleFile, report: &ProbesReport) -> Vec<String> {
-    let probes = file.probes.iter().zip(&report.probes);
-    let lines = probes.map(|(probe, report)| {
-        let ratio = report.ratio.map(|ratio| 100.0 * ratio.value);
-        let ratio = ratio.map_or(String::new(), |percent| format!("{percent:.4}"));
-        format!("probe {},{},{ratio},,%", probe.name, report.state.name())
-    });
-    lines.collect()
+/// State of the spindle with its preload, N, and of each probe with its gain.
+fn estimates(file: &SpindleFile, report: &ProbesReport) -> Vec<String> {
+    let preload = report
+        .preload
+        .map_or(String::new(), |preload| format!("{:.0}", preload.value));
+    let spindle = format!("preload,{},{preload},,N", report.state.name());
+    let probes = file
+        .probes
+        .iter()
+        .zip(&report.probes)
+        .map(|(probe, report)| {
+            let percent = 100.0 * report.gain.value;
+            format!(
+                "probe {},{},{percent:.1},,%",
+                probe.name,
+                report.state.name()
+            )
+        });
+    [spindle].into_iter().chain(probes).collect()
 }
 
 fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
     let settings = file.settings(&args.board);
-    let mut monitor = monitor_of::<P>(file, args.board, settings)?;
+    let mut monitor = monitor_of::<P>(file, Some(args.board), settings)?;
     let period_us = settings.tick.period_us;
-    let prepared = monitor.prepare(file.sensors.idle);
-    prepared.map_err(|status| anyhow!("the idling spindle has no equilibrium: {status}"))?;
     let (rows, recording) = args.input(file)?;
     let recording = recording.context("--limits needs a recording")?;
     let name = || recording.lock().expect("a reader").file().to_owned();
     let mut ticks = PerTick::new(rows, period_us);
     let (mut source, mut frames) = (FramedLoads::new(), FrameReader::new());
     let mut told = Vec::<String>::new();
-    let mut commission = args.response.commission.map(|[_, to]| to);
+    let mut commission = args.response.commission;
+    if commission.is_some() {
+        monitor.learn(u64::MAX);
+    }
     ensure!(
         commission.is_none() || P > 0,
         "--commission is for probes, and {} has no [[probe]]",
@@ -102,10 +88,9 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
         };
         monitor.note_displacements(from_fn(|i| tick.probes[i]));
         let at = |us: u64| ((ticks.start() * 1e6).round() + us as f64) / 1e6;
-        if commission.is_some_and(|to| at(time_us) >= to) {
+        if let Some([_, to]) = commission.filter(|[from, _]| at(time_us) >= *from) {
             commission = None;
-            let order = Order::Commission;
-            monitor.ask(&Request { number: 0, order }, true);
+            monitor.learn(((to - ticks.start()).max(0.0) * 1e6) as u64);
         }
         let outcome = monitor.tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
         // The link takes the telemetry that it has room for.
@@ -113,21 +98,14 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
             let Some(Ok(frame)) = frames.push(byte) else {
                 continue;
             };
-            match &frame.payload {
-                Payload::Probes(report) => {
-                    let ratios = ratios(file, report);
-                    for line in ratios.iter().filter(|line| !told.contains(line)) {
-                        writeln!(out, "{},{line}", at(frame.time_us)).map_err(output)?;
-                    }
-                    told = ratios;
-                }
-                Payload::Answer(answer) if answer.outcome != AnswerCode::Done => eprintln!(
-                    "replay: at {} s, the probes have no reference: {}; widen --commission",
-                    at(frame.time_us),
-                    answer.outcome.name()
-                ),
-                _ => {}
+            let Payload::Probes(report) = &frame.payload else {
+                continue;
+            };
+            let estimates = estimates(file, report);
+            for line in estimates.iter().filter(|line| !told.contains(line)) {
+                writeln!(out, "{},{line}", at(frame.time_us)).map_err(output)?;
             }
+            told = estimates;
         }
         for mark in outcome.marks.iter() {
             doubts[mark as usize] += 1;
@@ -152,11 +130,10 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
         }
     }
     out.flush().map_err(output)?;
-    if let Some(to) = commission {
-        eprintln!(
-            "replay: the recording ends before {to} s: the probes have no reference; give --commission an earlier end"
-        );
-    }
+    ensure!(
+        commission.is_none(),
+        "the recording ends before --commission begins"
+    );
     let recording = recording.lock().expect("a reader");
     for line in recording.account().lines() {
         eprintln!("replay: {line}");

@@ -41,11 +41,14 @@ fn main() -> ExitCode {
             }
         };
     }
-    exit::status(match (args.limits, args.sensitivity) {
-        (true, _) => limits::run(&args),
-        (_, true) => sensitivity::run(&args),
-        _ => run(&args),
-    })
+    exit::status(
+        match (&args.response.response, args.limits, args.sensitivity) {
+            (Some(path), ..) => response::run(&args, path),
+            (_, true, _) => limits::run(&args),
+            (_, _, true) => sensitivity::run(&args),
+            _ => run(&args),
+        },
+    )
 }
 
 fn run(args: &Args) -> Result<Summary> {
@@ -53,9 +56,6 @@ fn run(args: &Args) -> Result<Summary> {
     let (balls, held) = args.checked(&file)?;
     let mut lifetime = args.summary.map(|_| Lifetime::default());
     let solved = with_solver(&file.plan, balls, args.precision, |solver| {
-        if let Some(path) = &args.response.response {
-            return response::replay(args, &file, solver, path);
-        }
         let (rows, recording) = args.input(&file)?;
         let mut files = args.files(&file)?;
         let job = args.job(&file, held, lifetime.as_mut());

@@ -1,52 +1,97 @@
-//! `cargo replay --response`: measured over computed displacement at the probes, second by second.
+//! `cargo replay --response`: the board's monitor over a recording, and second by second what it says of preload and probes.
 
 use crate::arguments::Args;
 use crate::input::progress_bar;
 use crate::output::unwritable;
 use anyhow::{Result, bail, ensure};
+use cli::board::{DynMonitor, monitor_of};
 use cli::fault::LoadsError;
 use cli::output::{NewFile, place};
 use cli::recordings::{self, Loads};
 use cli::replay::{REFUSED_INPUT, Summary};
-use rayon::prelude::*;
+use cli::telemetry::findings;
 use spindle_file::loads::LoadRow;
-use spindle_file::solvers::{AnySolver, Choices};
+use spindle_file::reading::short;
 use spindle_file::spindles::SpindleFile;
-use spindle_monitor::Alarm;
-use spindle_monitor::response::{LEAST_STEPS, Response, is_aliased};
-use spindle_monitor::tick::Core;
+use spindle_monitor::estimator::Constants;
+use spindle_monitor::loads::LoadSample;
+use spindle_monitor::revolutions::is_aliased;
+use spindle_monitor::telemetry::ProbesReport;
+use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
+use spindle_monitor::{Marks, Readings};
+use std::array::from_fn;
 use std::io::Write;
 use std::path::Path;
 
-/// Rows that are solved one after the other, from a cold start on.
-const BLOCK: usize = 500;
-/// Blocks that are read ahead.
-const AHEAD: usize = 32;
-/// Load steps of the reference where `--commission` does not say it: 20 engagements.
-const REFERENCE: u32 = 40;
+/// Rows from whose times the step of a recording is taken.
+const FIRST: usize = 10_000;
+/// Shortest and longest step, s.
+const STEPS: [f64; 2] = [1e-4, 1.0];
+/// Usual rates of loggers within a decade.
+const RATES: [f32; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
 
-/// A row of the recording: its loads and, once it is solved, the displacements computed at the probes, um.
-struct Record {
-    row: Option<LoadRow>,
-    computed: Result<Vec<f64>, (&'static str, String)>,
-}
-
-/// Replays the recording.
+/// Runs the monitor over the recording.
 ///
 /// # Errors
 ///
-/// No probes, no columns of them, a recording that cannot be read, a file that cannot be written.
-pub fn replay(
-    args: &Args,
-    file: &SpindleFile,
-    solver: &mut dyn AnySolver,
-    path: &Path,
-) -> Result<Summary> {
-    let name = args.design().display();
+/// No probes, no columns of them, a recording that cannot be read, a file that cannot be written, a window outside of the recording.
+pub fn run(args: &Args, path: &Path) -> Result<Summary> {
+    let file = args.file()?;
+    match file.probes.len() {
+        0 => bail!(
+            "--response: {} has no [[probe]]; add one with name, position_mm and direction",
+            args.design().display()
+        ),
+        1 => follow::<1>(args, &file, path),
+        2 => follow::<2>(args, &file, path),
+        3 => follow::<3>(args, &file, path),
+        _ => follow::<4>(args, &file, path),
+    }
+}
+
+fn follow<const P: usize>(args: &Args, file: &SpindleFile, path: &Path) -> Result<Summary> {
+    let mut loads = open(args, file, path)?;
+    let mut out = NewFile::create(path).map_err(|error| unwritable(path, &error))?;
+    let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
+    let (mut summary, mut first) = (Summary::default(), Vec::new());
+    while first.len() < FIRST
+        && let Some(row) = next(&mut loads, &mut summary)?
+    {
+        first.extend(row);
+    }
+    let mut history = History::<P>::new(args, file, &first)?;
+    let mut text = history.header();
+    for row in first {
+        history.take(&row, &mut summary, &mut text);
+    }
+    while let Some(row) = next(&mut loads, &mut summary)? {
+        if let Some(row) = row {
+            history.take(&row, &mut summary, &mut text);
+        }
+        if text.len() > 1 << 16 {
+            out.write_all(text.as_bytes())
+                .map_err(|error| unwritable(path, &error))?;
+            text.clear();
+            bar.set_position(loads.bytes_read());
+        }
+    }
+    for line in loads.account().lines() {
+        eprintln!("replay: {line}");
+    }
     ensure!(
-        !file.probes.is_empty(),
-        "--response: {name} has no [[probe]]; add one with name, position_mm and direction"
+        summary.rows > 0,
+        "{}: there is no row below the header",
+        loads.file()
     );
+    history.finish(loads.file())?;
+    out.write_all(text.as_bytes())
+        .map_err(|error| unwritable(path, &error))?;
+    out.finish().map_err(|error| unwritable(path, &error))?;
+    Ok(summary)
+}
+
+/// Opens the recording, which has a column of a probe at least.
+fn open(args: &Args, file: &SpindleFile, path: &Path) -> Result<Loads> {
     let out = place(path).map_err(|error| unwritable(path, &error))?;
     let loads = args.loads.as_deref().unwrap_or(Path::new(""));
     let import = args.recording.import.as_deref();
@@ -62,7 +107,7 @@ pub fn replay(
     let mut wanted = args.wanted(file.heat.is_some())?;
     wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
     let import = args.recording.import()?;
-    let mut loads = recordings::read(loads, import.as_ref(), &wanted)?;
+    let loads = recordings::read(loads, import.as_ref(), &wanted)?;
     let has: Vec<bool> = loads.has_probes().collect();
     ensure!(
         has.contains(&true),
@@ -74,235 +119,237 @@ pub fn replay(
         let (file, name) = (loads.file(), &probe.name);
         eprintln!("replay: {file}: there is no column probe_{name}_um");
     }
-    let mut out = NewFile::create(path).map_err(|error| unwritable(path, &error))?;
-    let mut history = match file.probes.len() {
-        1 => History::<1>::boxed(args, file),
-        2 => History::<2>::boxed(args, file),
-        3 => History::<3>::boxed(args, file),
-        _ => History::<4>::boxed(args, file),
-    };
-    solver.choose(&Choices {
-        parts: 0,
-        tolerance: args.tolerance,
-        ..Choices::default()
-    });
-    let mut summary = Summary::default();
-    let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
-    let mut text = "time_s,probe,ratio,ratio_error,steps,state\n".to_owned();
-    loop {
-        let mut records = read(&mut loads, &mut summary)?;
-        if records.is_empty() {
-            break;
+    Ok(loads)
+}
+
+/// The next row of the recording, none of one that is refused; none at its end.
+fn next(loads: &mut Loads, summary: &mut Summary) -> Result<Option<Option<LoadRow>>> {
+    let row = match loads.next() {
+        None => return Ok(None),
+        Some(Ok(row)) => Some(row),
+        Some(Err(LoadsError::Row(bad))) => {
+            summary.first_fault.get_or_insert(bad.fault);
+            *summary.refused.entry(REFUSED_INPUT).or_default() += 1;
+            None
         }
-        let blocks: Vec<_> = records
-            .chunks_mut(BLOCK)
-            .map(|block| (solver.copy(), block))
-            .collect();
-        blocks.into_par_iter().for_each(|(mut solver, block)| {
-            solver.reset();
-            solve(&mut *solver, file, block);
-        });
-        history.take(&records, &mut summary, &mut text);
-        out.write_all(text.as_bytes())
-            .map_err(|error| unwritable(path, &error))?;
-        text.clear();
-        bar.set_position(loads.bytes_read());
-    }
-    for line in loads.account().lines() {
-        eprintln!("replay: {line}");
-    }
-    ensure!(
-        summary.rows > 0,
-        "{}: there is no row below the header",
-        loads.file()
-    );
-    out.finish().map_err(|error| unwritable(path, &error))?;
-    Ok(summary)
+        Some(Err(fault)) => return Err(fault.into()),
+    };
+    summary.rows += 1;
+    Ok(Some(row))
 }
 
-/// The next records of the recording; none at its end.
-fn read(loads: &mut Loads, summary: &mut Summary) -> Result<Vec<Record>> {
-    let mut records = Vec::new();
-    while records.len() < AHEAD * BLOCK {
-        let row = match loads.next() {
-            Some(Ok(row)) => Some(row),
-            Some(Err(LoadsError::Row(bad))) => {
-                summary.first_fault.get_or_insert(bad.fault);
-                None
-            }
-            Some(Err(fault)) => return Err(fault.into()),
-            None => break,
-        };
-        records.push(Record {
-            row,
-            computed: Err((REFUSED_INPUT, String::new())),
-        });
-    }
-    Ok(records)
-}
-
-fn solve(solver: &mut dyn AnySolver, file: &SpindleFile, block: &mut [Record]) {
-    for record in block {
-        let Some(row) = &record.row else { continue };
-        let answer = solver.solve(&file.question_at_probes(row));
-        record.computed = match answer {
-            Ok(answer) => {
-                let probes = file.probes.iter().zip(&answer.at);
-                Ok(probes
-                    .map(|(probe, at)| probe.sees(&at.displacement))
-                    .collect())
-            }
-            Err(status) => Err((status.name(), status.to_string())),
-        };
-    }
-}
-
-/// Records in their order.
-trait Take {
-    fn take(&mut self, records: &[Record], summary: &mut Summary, text: &mut String);
-}
-
-/// History of a spindle with `P` probes.
+/// The monitor of a spindle with `P` probes, and its recording so far.
 struct History<'h, const P: usize> {
     file: &'h SpindleFile,
-    commission: Option<[f64; 2]>,
-    /// Begins with the first records, which say how many there are in a second.
-    response: Option<Response<P>>,
+    monitor: Box<DynMonitor<P>>,
+    /// Order to commission from and to these times, s, which has begun.
+    window: Option<[f64; 2]>,
+    has_begun: bool,
+    /// Step of the recording, and times of its first and last row and of the next line, s.
     step: f64,
-    /// Time of the last record, and of the next line.
+    begin: f64,
     last: f64,
     next: f64,
-    rpm: f32,
-    has_begun: bool,
-    refers: [bool; P],
-    is_told: bool,
+    rpm: f64,
+    /// What was said already.
+    told_aliased: bool,
+    told_found: bool,
 }
 
 impl<'h, const P: usize> History<'h, P> {
-    fn boxed(args: &Args, file: &'h SpindleFile) -> Box<dyn Take + 'h> {
-        Box::new(Self {
+    fn new(args: &Args, file: &'h SpindleFile, first: &[LoadRow]) -> Result<Self> {
+        let times = first.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
+        let mut steps: Vec<f64> = times.filter(|step| *step > 0.0).collect();
+        steps.sort_by(f64::total_cmp);
+        let step = steps.get(steps.len() / 2).copied().unwrap_or(STEPS[1]);
+        let step = step.clamp(STEPS[0], STEPS[1]);
+        let mut settings = file.settings(&Core::STM32F405);
+        // A recording has a row a tick, and a solve ends in its tick; channels are believed though they repeat themselves.
+        settings.tick.period_us = (1e6 * step).round() as u32;
+        settings.tick.deadline_cycles = u32::MAX;
+        settings.plausibility.stuck_after = 0;
+        settings.plausibility.speed_stuck_after = 0;
+        let mut monitor = monitor_of::<P>(file, None, settings)?;
+        let window = args.response.commission;
+        if window.is_some() {
+            monitor.learn(u64::MAX);
+        }
+        let begin = first.first().map_or(0.0, |row| row.time_s);
+        Ok(Self {
             file,
-            commission: args.response.commission,
-            response: None,
-            step: 0.0,
-            last: f64::NAN,
-            next: 0.0,
-            rpm: 0.0,
+            monitor,
+            window,
             has_begun: false,
-            refers: [true; P],
-            is_told: false,
+            step,
+            begin,
+            last: begin,
+            next: begin.floor() + 1.0,
+            rpm: 0.0,
+            told_aliased: false,
+            told_found: false,
         })
     }
 
-    fn new_response(&self) -> Response<P> {
-        let accuracies = std::array::from_fn(|i| self.file.probes[i].accuracy as f32);
-        let alarms = self.file.settings(&Core::STM32F405).alarms;
-        let limits =
-            [Alarm::StiffnessLoss, Alarm::StiffnessGain].map(|alarm| alarms[alarm as usize].raise);
-        Response::new(accuracies, (1.0 / self.step) as f32, limits)
+    fn header(&self) -> String {
+        let of_probe = |name: &str| format!(",gain_{name},gain_error_{name},state_{name}");
+        let probes = self.file.probes.iter().map(|probe| of_probe(&probe.name));
+        let spindle =
+            "time_s,state,preload_n,preload_error_n,change_percent,change_error_percent,steps";
+        format!("{spindle}{}\n", probes.collect::<String>())
     }
 
-    /// Step of time and first second, of the first records.
-    fn begin(&mut self, records: &[Record]) {
-        let times: Vec<f64> = records
-            .iter()
-            .filter_map(|record| Some(record.row?.time_s))
-            .collect();
-        let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.retain(|step| *step > 0.0);
-        steps.sort_by(f64::total_cmp);
-        self.step = steps.get(steps.len() / 2).copied().unwrap_or(1.0);
-        self.next = times.first().map_or(0.0, |time| time.floor() + 1.0);
-        self.response = Some(self.new_response());
+    /// Time of the monitor, us.
+    fn time_us(&self, time: f64) -> u64 {
+        (1e6 * (time - self.begin)).round() as u64
     }
 
-    /// Begins and ends the reference of each probe when it is time to.
-    fn refer(&mut self, time: f64) {
-        if let Some([from, _]) = self.commission
+    fn take(&mut self, row: &LoadRow, summary: &mut Summary, text: &mut String) {
+        let time = row.time_s;
+        if let Some([from, to]) = self.window
             && time >= from
             && !self.has_begun
         {
             self.has_begun = true;
-            self.response = Some(self.new_response());
+            self.monitor.learn(self.time_us(to.max(self.begin)));
         }
-        let Some(response) = &mut self.response else {
-            return;
+        let time_us = self.time_us(time);
+        let readings = Readings {
+            loads: Ok(Some(LoadSample {
+                time_us,
+                load: row.load.map(|load| load as f32),
+                speed: Some(row.omega() as f32),
+                residual: 0.0,
+                doubts: Marks::new(),
+            })),
+            speed: None,
+            temperatures: row.temperatures.map(|both| both.map(|t| t as f32)),
         };
-        let reports = response.reports();
-        for i in 0..P {
-            if !self.refers[i] {
-                continue;
-            }
-            let steps = reports[i].steps;
-            self.refers[i] = match self.commission {
-                Some([_, to]) => time < to,
-                None => steps < REFERENCE,
-            };
-            if !self.refers[i] && !response.refer(i) {
-                let name = &self.file.probes[i].name;
-                eprintln!(
-                    "replay: probe {name}: {steps} load steps until {time} s, where a reference needs {LEAST_STEPS}; widen --commission"
-                );
-            }
+        let measured = from_fn(|i| row.probes[i].map(|um| um as f32));
+        self.monitor.note_displacements(measured);
+        let refusals = self.monitor.health().refusals;
+        let outcome = self
+            .monitor
+            .tick(time_us, &readings, &mut NoCycles, &mut NoWatchdog);
+        if self.monitor.health().refusals > refusals {
+            *summary.refused.entry("no-equilibrium").or_default() += 1;
         }
-    }
-
-    fn add(&mut self, record: &Record, text: &mut String) {
-        let time = record.row.map_or(self.last + self.step, |row| row.time_s);
-        self.refer(time);
-        let Some(response) = &mut self.response else {
-            return;
-        };
-        if (time - self.last - self.step).abs() > 0.5 * self.step {
-            response.tick(None, None, [None; P]);
+        for change in &outcome.changes {
+            self.monitor.acknowledge(time_us, change.alarm);
         }
-        if let Some(row) = record.row {
-            self.rpm = row.speed_rpm as f32;
-        }
-        let rate = (1.0 / self.step) as f32;
-        if is_aliased(self.rpm, rate) && !self.is_told {
-            self.is_told = true;
-            let rpm = self.rpm;
-            eprintln!(
-                "replay: at {time} s, runout at {rpm} rpm cannot be told from drift with {rate} samples a second; such times do not count"
-            );
-        }
-        let computed = record.computed.as_ref().ok();
-        let computed = computed.map(|all| std::array::from_fn(|i| all[i] as f32));
-        let measured = |i: usize| Some(record.row?.probes[i]? as f32);
-        response.tick(Some(self.rpm), computed, std::array::from_fn(measured));
-        self.last = time;
+        while self.monitor.outbox().next_byte().is_some() {}
+        (self.last, self.rpm) = (time, row.speed_rpm);
+        self.tell(time);
         while time + 1.5 * self.step >= self.next {
-            for (probe, report) in self.file.probes.iter().zip(response.reports()) {
-                let figures = report.ratio.map_or(",".to_owned(), |ratio| {
-                    format!("{:.6},{:.6}", ratio.value, ratio.error)
-                });
-                let (next, name) = (self.next, &probe.name);
-                let (steps, state) = (report.steps, report.state.name());
-                text.push_str(&format!("{next},{name},{figures},{steps},{state}\n"));
+            if let Some(report) = self.monitor.probes_report() {
+                text.push_str(&line(self.next, &report));
             }
             // Pauses of the logger have no lines.
             self.next = (self.next + 1.0).max(time.floor());
         }
     }
-}
 
-impl<const P: usize> Take for History<'_, P> {
-    fn take(&mut self, records: &[Record], summary: &mut Summary, text: &mut String) {
-        if self.response.is_none() {
-            self.begin(records);
+    /// Says once that the speed has no blocks, and once that commissioning has ended.
+    fn tell(&mut self, time: f64) {
+        let rate = (1.0 / self.step) as f32;
+        if !self.told_aliased && is_aliased(self.rpm as f32, rate) {
+            self.told_aliased = true;
+            let (rpm, rate) = (self.rpm, short(rate.into()));
+            let other = other_rate(rpm as f32, rate as f32);
+            let other = other.map_or(String::new(), |other| format!(": {other} Hz does not"));
+            eprintln!(
+                "replay: at {rate} Hz, {rpm} rpm stands still{other}; such times do not count"
+            );
         }
-        for record in records {
-            summary.rows += 1;
-            if let Err((status, why)) = &record.computed {
-                *summary.refused.entry(status).or_default() += 1;
-                if let Some(row) = record.row {
-                    summary
-                        .first_refusal
-                        .get_or_insert_with(|| (row.time_s, why.clone()));
-                }
-            }
-            self.add(record, text);
+        if !self.told_found
+            && let Some(report) = self.monitor.probes_report()
+            && self.monitor.is_commissioned()
+        {
+            self.told_found = true;
+            self.found(&format!("commissioned at {time} s"), &report);
         }
     }
+
+    /// Says what was found of preload and probes.
+    fn found(&self, when: &str, report: &ProbesReport) {
+        if let Some(preload) = report.preload {
+            let [value, error] = [preload.value, preload.error].map(|x| short(f64::from(x)));
+            eprintln!("replay: {when}: preload {value:.0} +- {error:.0} N");
+        } else {
+            eprintln!("replay: {when}: no rows oppose each other, and none has a preload");
+        }
+        for (probe, report) in self.file.probes.iter().zip(&report.probes) {
+            eprintln!(
+                "replay: probe {}: {}",
+                probe.name,
+                findings::raw_ratio(report)
+            );
+        }
+    }
+
+    /// Says what commissioning has lacked.
+    fn finish(&self, name: &str) -> Result<()> {
+        if let Some([from, to]) = self.window {
+            let end = self.last;
+            ensure!(
+                self.has_begun && to >= self.begin,
+                "{name}: the recording is from {} to {end} s, and --commission {from}:{to} outside of it",
+                self.begin
+            );
+        }
+        let Some(report) = self.monitor.probes_report() else {
+            return Ok(());
+        };
+        if self.told_found {
+            return Ok(());
+        }
+        self.found("at the end, not commissioned", &report);
+        let Constants { steps, .. } = Constants::USUAL;
+        match findings::steps_to_go(&report) {
+            0 => {}
+            to_go => eprintln!(
+                "replay: the recording ends {to_go} steps before commissioning, which takes {steps}"
+            ),
+        }
+        if let Some(lacking) = findings::lacking(&report) {
+            eprintln!("replay: {lacking}");
+        }
+        if let Some([_, to]) = self.window.filter(|[_, to]| *to > self.last) {
+            eprintln!("replay: the recording ends before {to} s, until when --commission lasts");
+        }
+        Ok(())
+    }
+}
+
+/// The next usual rate, Hz, at which this speed has blocks.
+fn other_rate(rpm: f32, rate: f32) -> Option<f32> {
+    let decade = 10_f32.powf(rate.log10().floor());
+    let rates = RATES
+        .iter()
+        .chain(&[10.0, 12.5, 16.0, 20.0])
+        .map(|of| of * decade);
+    rates
+        .filter(|other| *other > rate)
+        .find(|other| !is_aliased(rpm, *other))
+}
+
+/// A line of the file.
+fn line(time: f64, report: &ProbesReport) -> String {
+    let number = |x: Option<f32>| x.map_or(String::new(), |x| short(x.into()).to_string());
+    let percent = |x: f32| 100.0 * x;
+    let (preload, change) = (report.preload, report.change);
+    let mut line = format!(
+        "{time},{},{},{},{},{},{}",
+        report.state.name(),
+        number(preload.map(|of| of.value)),
+        number(preload.map(|of| of.error)),
+        number(change.map(|of| percent(of.value))),
+        number(change.map(|of| percent(of.error))),
+        report.steps
+    );
+    for probe in &report.probes {
+        let [gain, error] = [probe.gain.value, probe.gain.error].map(|x| number(Some(x)));
+        line += &format!(",{gain},{error},{}", probe.state.name());
+    }
+    line.push('\n');
+    line
 }

@@ -157,7 +157,8 @@ impl Board {
 
     /// Starts the host's own build of its chain.
     fn start(&self) -> Result<Telemetry> {
-        let monitor = chain::monitor(&Past::default(), self.settings);
+        let probes = Box::leak(Box::new(chain::probes(self.settings)));
+        let monitor = chain::monitor(probes, &Past::default(), self.settings);
         let mut chain = Chain::new(Box::new(monitor));
         let prepared = chain.prepare().ok();
         prepared.context("the host has no equilibrium to start from")?;

@@ -1,0 +1,216 @@
+//! The law of a spindle's preload, and settings of its probes, for the monitor's estimates.
+
+use super::{DynSolver, DynSpindle, Parts, closed, growths};
+use crate::designs::DesignFileError;
+use crate::plan::{BuildError, Plan};
+use crate::spindles::SpindleFile;
+use spindle_bearing::{Facing, Growth, Preload, Settings, Speed, Static};
+use spindle_monitor::preload::{NODES, POWERS, PreloadBy, PreloadLaw};
+use spindle_monitor::{ProbeSettings, ResponseSettings};
+use std::array::from_fn;
+
+/// Solves in which a closure is found.
+const MOST_SOLVES: usize = 60;
+/// A change of closure that shows a slope, m.
+const SMALL: f64 = 1e-8;
+/// A change of temperature that shows a slope, K.
+const KELVIN: f64 = 1.0;
+
+/// Settings of the estimates by the first `P` probes of a file.
+///
+/// # Errors
+///
+/// The spindle cannot be built, or has no equilibrium at rest.
+pub fn response<const P: usize>(
+    file: &SpindleFile,
+) -> Result<ResponseSettings<P>, DesignFileError> {
+    let explained = |error: BuildError| file.explain(&error);
+    let compliances = compliances(file).map_err(explained)?;
+    let sensors = &file.sensors;
+    Ok(ResponseSettings {
+        probes: from_fn(|i| {
+            let probe = &file.probes[i];
+            ProbeSettings {
+                position: probe.position as f32,
+                direction: probe.direction.map(|e| e as f32),
+                accuracy: probe.accuracy as f32,
+                compliance: compliances[i],
+            }
+        }),
+        preload: law(file).map_err(explained)?,
+        heat: file.heat.map_or(0.0, |heat| heat.accuracy as f32),
+        load_error: sensors.load_error,
+        gain: sensors.gain,
+    })
+}
+
+/// Largest displacement at each probe by a force (um/N) and by a moment (um/(N m)) where loads are measured, of the idling spindle at rest.
+fn compliances(file: &SpindleFile) -> Result<Vec<[f32; 2]>, BuildError> {
+    let plan = closed(&file.plan)?;
+    let parts = Parts::<f64>::of(&plan)?;
+    let spindle = parts.spindle(&plan)?;
+    let growth: Vec<_> = file.growths().iter().map(|of| of[0]).collect();
+    let at = Speed::rad_per_s(0.0).with_growth(growths(&growth));
+    let mut solver = DynSolver::<f64, Static>::of();
+    let idle = file.sensors.idle.map(f64::from);
+    let solution = solver.solve(&spindle, idle, at, &Settings::DEFAULT);
+    let solution = solution.map_err(|status| {
+        BuildError::Spindle(format!("the idling spindle has no equilibrium: {status}"))
+    })?;
+    let of_probe = |probe: &crate::probes::Probe| {
+        let place = probe.position - plan.loaded_at();
+        let c = solution.compliance_at(place);
+        let sees = |load: usize| -> f64 {
+            let along = probe.direction.iter().zip(&c);
+            along.map(|(e, row)| e * row[load]).sum()
+        };
+        // A force where loads are measured has a moment about the probe.
+        let arm = -place;
+        let [x, y, z, my, mz] = from_fn(sees);
+        let [y, z] = [y + arm * mz, z - arm * my];
+        [(x * x + y * y + z * z).sqrt(), my.hypot(mz)].map(|c| (1e6 * c) as f32)
+    };
+    Ok(file.probes.iter().map(of_probe).collect())
+}
+
+/// The law of its preload; none where no rows oppose each other.
+fn law(file: &SpindleFile) -> Result<Option<PreloadLaw>, BuildError> {
+    let plan = &file.plan;
+    if let Some(force) = plan.spring {
+        let force = force as f32;
+        return Ok(Some(PreloadLaw {
+            force,
+            by: PreloadBy::Spring,
+        }));
+    }
+    let faces = |facing: Facing| plan.rows.iter().any(|row| row.facing == facing);
+    if !faces(Facing::PlusX) || !faces(Facing::MinusX) {
+        return Ok(None);
+    }
+    // A force that rows are ground for is theirs on rigid seats.
+    let ground = plan.rows.iter().find_map(|row| match row.preload {
+        Preload::Force(force) if plan.mounted_preload.is_none() => Some(force),
+        _ => None,
+    });
+    let mut alone = Plan {
+        mounted_preload: None,
+        ..closed(plan)?
+    };
+    let growth = file.growths();
+    let mut fixed: Vec<Growth<f64>> = growth.iter().map(|of| of[0]).collect();
+    if ground.is_some() {
+        alone.shaft = None;
+        fixed.fill(Growth::NONE);
+    }
+    if let Some(shaft) = &mut alone.shaft {
+        shaft.loads.clear();
+    }
+    let parts = Parts::<f64>::of(&alone)?;
+    let spindle = parts.spindle(&alone)?;
+    let mut press = Press {
+        spindle: &spindle,
+        solver: DynSolver::of(),
+    };
+    let sum = press.force(&fixed, 0.0);
+    let refused =
+        |what: &str| BuildError::Spindle(format!("the preload at the probes has no law: {what}"));
+    if sum <= 0.0 {
+        return Err(refused(
+            "rows do not press each other at rest, cold, without loads",
+        ));
+    }
+    let slope = (press.force(&fixed, SMALL) - press.force(&fixed, -SMALL)) / (2.0 * SMALL);
+    let mut closures = [0.0; NODES];
+    let [least, step] = POWERS.map(f64::from);
+    let mut last = [0.0, sum / slope];
+    for (i, closure) in closures.iter_mut().enumerate() {
+        let wanted = sum * (least + step * i as f64).powf(1.5);
+        let found = press.closure(&fixed, wanted, last);
+        let found = found.ok_or_else(|| refused("no closure gives a multiple of it"))?;
+        last[0] = found;
+        *closure = found as f32;
+    }
+    let mut heat = [0.0; 2];
+    for (side, by) in heat.iter_mut().enumerate() {
+        let warm = |kelvin: f64| -> Vec<_> {
+            let of_rows = fixed.iter().zip(&growth);
+            of_rows
+                .map(|(fixed, of)| *fixed + of[1 + side] * kelvin)
+                .collect()
+        };
+        let change = press.force(&warm(KELVIN), 0.0) - press.force(&warm(-KELVIN), 0.0);
+        *by = (change / (2.0 * KELVIN) / slope) as f32;
+    }
+    let clamped = plan.rows.iter().enumerate();
+    let clamped = clamped.filter(|(_, row)| !matches!(row.preload, Preload::Spring));
+    Ok(Some(PreloadLaw {
+        force: ground.unwrap_or(sum) as f32,
+        by: PreloadBy::Closure {
+            rows: clamped.fold(0, |rows, (i, _)| rows | 1 << i),
+            closures,
+            heat,
+        },
+    }))
+}
+
+/// Rows that press each other at rest.
+struct Press<'s> {
+    spindle: &'s DynSpindle<'s, f64>,
+    solver: DynSolver<f64, Static>,
+}
+
+impl Press<'_> {
+    /// Force between the rows that face `+x` and the others, N, where all are closed by so much more, m. Rows that do not touch have none.
+    fn force(&mut self, growth: &[Growth<f64>], closure: f64) -> f64 {
+        let mut grown = growths(growth);
+        for grown in &mut grown {
+            grown.axial += closure;
+        }
+        self.solver.reset();
+        let at = Speed::rad_per_s(0.0).with_growth(grown);
+        match self
+            .solver
+            .solve(self.spindle, [0.0; 5], at, &Settings::DEFAULT)
+        {
+            Ok(solution) => {
+                let rows = solution.rows().zip(self.spindle.facings());
+                let ahead = rows.filter(|(_, facing)| *facing == Facing::PlusX);
+                ahead.map(|(row, _)| row.preload()).sum()
+            }
+            Err(_) => 0.0,
+        }
+    }
+
+    /// The closure that gives this force, near another one and on this scale, by halving an interval.
+    fn closure(
+        &mut self,
+        growth: &[Growth<f64>],
+        wanted: f64,
+        [near, scale]: [f64; 2],
+    ) -> Option<f64> {
+        let (mut low, mut high) = (near, near);
+        for _ in 0..MOST_SOLVES {
+            if self.force(growth, low) < wanted {
+                break;
+            }
+            low -= 0.3 * scale;
+        }
+        for _ in 0..MOST_SOLVES {
+            if self.force(growth, high) > wanted {
+                break;
+            }
+            high += 0.3 * scale;
+        }
+        for _ in 0..MOST_SOLVES {
+            let middle = 0.5 * (low + high);
+            match self.force(growth, middle) < wanted {
+                true => low = middle,
+                false => high = middle,
+            }
+            if high - low < 1e-6 * scale {
+                break;
+            }
+        }
+        ((self.force(growth, high) / wanted - 1.0).abs() < 1e-3).then_some(high)
+    }
+}
