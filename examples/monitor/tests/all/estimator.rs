@@ -17,7 +17,11 @@ pub static SETTINGS: ResponseSettings<2> = ResponseSettings {
     probes: [probe([1.0, 0.0, 0.0]), probe([0.0, 0.8, 0.6])],
     preload: Some(PreloadLaw {
         force: 250.0,
-        by: PreloadBy::Spring,
+        by: PreloadBy::Closure {
+            rows: 0b11,
+            closures: [0.0, 1e-6, 2e-6, 3e-6, 4e-6, 5e-6, 6e-6, 7e-6, 8e-6],
+            heat: [0.0; 2],
+        },
     }),
     heat: 0.0,
     load_error: 0.02,
