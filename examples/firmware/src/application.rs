@@ -22,7 +22,8 @@ type BoardChain<S> = Chain<&'static mut SpindleMonitor, S>;
 pub fn run<B: Board>(mut board: Started<B>) -> ! {
     const {
         assert!(
-            B::MONITOR.tick.has_time(ROWS, BALLS),
+            B::MONITOR.tick.has_time(ROWS, BALLS)
+                && (PROBES == 0 || B::MONITOR.tick.has_time_for_probes(ROWS, BALLS)),
             "a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls"
         );
     }

@@ -324,15 +324,22 @@ impl<const P: usize> Filter<P> {
         residual * residual / total
     }
 
-    /// Keeps variances from falling below the least ones.
+    /// Keeps the variances of states that are known in part, but for changes, from falling below the least one, and all from below 0.
     fn hold(&mut self, least: f32) {
-        let least = least * least;
+        let hold = |state: usize, variance: &mut f32| {
+            let least = match state {
+                1 => 0.0,
+                _ if *variance == 0.0 => 0.0,
+                _ => least * least,
+            };
+            *variance = variance.max(least);
+        };
         for (i, row) in self.preload.iter_mut().enumerate() {
-            row.preload[i] = row.preload[i].max(least);
+            hold(i, &mut row.preload[i]);
         }
         for (i, rows) in self.probes.iter_mut().enumerate() {
             for (j, row) in rows.iter_mut().enumerate() {
-                row.probes[i][j] = row.probes[i][j].max(least);
+                hold(j, &mut row.probes[i][j]);
             }
         }
     }
@@ -421,7 +428,7 @@ impl<const P: usize> Estimator<P> {
         self.constants
     }
 
-    /// Takes a load step. Probes that are `stuck` bring none.
+    /// Takes a load step. Only where it `may_commission` can it be the last one of commissioning.
     #[inline(never)]
     pub fn take(&mut self, step: &Step<P>, may_commission: bool) {
         let mut step = *step;

@@ -296,8 +296,7 @@ impl TickSettings {
             open,
             look,
             report,
-            slopes,
-            filter,
+            ..
         } = self
             .cost
             .of(rows as u32, (rows * balls) as u32, balls as u32);
@@ -309,13 +308,16 @@ impl TickSettings {
         } else {
             solve
         };
-        let parts = [solve, open.saturating_add(look), report, slopes, filter];
-        let (mut has, mut i) = (true, 0);
-        while i < parts.len() {
-            has &= parts[i] <= left;
-            i += 1;
-        }
-        has
+        solve <= left && open.saturating_add(look) <= left && report <= left
+    }
+
+    /// Whether a tick has the time for slopes and load steps of the probes of such a spindle, too.
+    pub const fn has_time_for_probes(&self, rows: usize, balls: usize) -> bool {
+        let SpindleCost { slopes, filter, .. } =
+            self.cost
+                .of(rows as u32, (rows * balls) as u32, balls as u32);
+        let left = self.deadline_cycles.saturating_sub(self.cost.tick);
+        slopes <= left && filter <= left
     }
 }
 

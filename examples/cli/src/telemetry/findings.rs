@@ -1,4 +1,4 @@
-//! What the probes have found, in words: for the view, and for `cargo replay --response`.
+//! Findings of the probes, in words: for the view, and for `cargo replay --response`.
 
 use spindle_monitor::estimator::{Constants, Estimate, State};
 use spindle_monitor::telemetry::{ProbeReport, ProbesReport};
@@ -8,7 +8,7 @@ pub const fn steps_to_go(report: &ProbesReport) -> u32 {
     Constants::USUAL.steps.saturating_sub(report.steps)
 }
 
-/// What commissioning lacks besides load steps; none where all is known well enough.
+/// Knowledge that commissioning lacks, besides load steps; none where all is known well enough.
 pub fn lacking(report: &ProbesReport) -> Option<String> {
     let [preload, gain] = Constants::USUAL.known;
     let (what, known, due) = match report.preload {

@@ -13,14 +13,14 @@ const AVAILABLE: f32 = 0.9;
 /// Sentences about the monitor. Counts of 0, and whatever is as it should be, are left out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Health {
-    /// What is wrong.
+    /// Troubles of the monitor, the board and the link.
     pub wrong: Vec<String>,
-    /// What else there is to know.
+    /// Figures that tell of no trouble.
     pub rest: Vec<String>,
 }
 
 impl Health {
-    /// What the last reports say.
+    /// Health by the last reports.
     pub fn of(state: &State) -> Self {
         let mut health = Self::default();
         if let Some(board) = &state.board {
@@ -150,7 +150,7 @@ impl Health {
                 Recovery::OtherVersion => "those kept are another version's",
                 Recovery::Damaged => "those kept are damaged",
             };
-            self.say(true, format!("{what} begin anew: {why}"));
+            self.say(true, format!("{what} begin at 0: {why}"));
         }
         if kept.recovery == Recovery::NoMemory {
             self.say(true, "no memory: life and alarms are lost with the power");

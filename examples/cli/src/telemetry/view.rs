@@ -506,7 +506,7 @@ fn alarm_lines(state: &State) -> Vec<Line<'static>> {
     lines
 }
 
-/// What is wrong, and then the rest of what is known of monitor, board and link.
+/// Troubles of monitor, board and link, then their other figures.
 fn health_lines(state: &State) -> Vec<Line<'static>> {
     let Health { wrong, rest } = Health::of(state);
     let lists = [(wrong, true), (rest, false)].into_iter();

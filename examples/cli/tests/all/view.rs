@@ -621,7 +621,7 @@ fn losses_and_counters_are_on_the_health_lines() {
     note(&mut state, &mut decoder, &[frame(5, Payload::Health(late))]);
     let parts = [
         "3 ticks past their deadline;",
-        "life and alarms begin anew: those kept are another",
+        "life and alarms begin at 0: those kept are another",
         "1 kept records damaged",
         "2 records not kept: the flash is worn or full",
         "1000 ticks;",
@@ -637,7 +637,7 @@ fn losses_and_counters_are_on_the_health_lines() {
     let screen = view::screen(&state, 120, 45);
     for (text, expected) in [
         ("3 ticks past", Color::Red),
-        ("begin anew", Color::Red),
+        ("begin at 0", Color::Red),
         ("1000 ticks", Color::Reset),
         ("4 lost,", Color::Red),
     ] {

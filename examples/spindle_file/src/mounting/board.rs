@@ -63,7 +63,8 @@ fn check(file: &SpindleFile, plan: &Plan, core: Option<Core>) -> Result<(), Buil
     }
     let (rows, most) = (counts.len(), counts.into_iter().max().unwrap_or_default());
     if let Some(Core { chip, .. }) = core
-        && !settings.tick.has_time(rows, most.into())
+        && !(settings.tick.has_time(rows, most.into())
+            && (file.probes.is_empty() || settings.tick.has_time_for_probes(rows, most.into())))
     {
         return error(format!(
             "a tick of {} ms on the {chip} has no time for parts of a solve with {rows} rows of {most} balls: give a longer `period_ms` \

@@ -219,23 +219,10 @@ pub fn closed(plan: &Plan) -> Result<Plan, BuildError> {
 /// spindle are ground for that force.
 fn closure_of(spindle: &DynSpindle<'_, f64>, force: f64, growth: &[Growth<f64>]) -> Option<f64> {
     let ground: Vec<f64> = spindle.closures().collect();
-    let mut solver = DynSolver::<f64, Static>::of();
+    let mut press = Press::of(spindle);
     let mut preload = |closure: f64| {
-        // More closure is an axial growth. Rows that do not touch have no answer, and no preload.
-        let mut grown = growths(growth);
-        for (grown, ground) in grown.iter_mut().zip(&ground) {
-            grown.axial += closure - ground;
-        }
-        solver.reset();
-        let at = Speed::rad_per_s(0.0).with_growth(grown);
-        match solver.solve(spindle, [0.0; 5], at, &Settings::default()) {
-            Ok(solution) => {
-                let rows = solution.rows().zip(spindle.facings());
-                let ahead = rows.filter(|(_, facing)| *facing == Facing::PlusX);
-                ahead.map(|(row, _)| row.preload()).sum::<f64>()
-            }
-            Err(_) => 0.0,
-        }
+        let more = |row: usize| ground.get(row).map_or(0.0, |ground| closure - ground);
+        press.force(growth, more)
     };
     // The closure as ground is of the size that is looked for.
     let step = *ground.first()?;
@@ -254,4 +241,41 @@ fn closure_of(spindle: &DynSpindle<'_, f64>, force: f64, growth: &[Growth<f64>])
         }
     }
     ((preload(high) / force - 1.0).abs() < 1e-6).then_some(high)
+}
+
+/// Rows that press each other at rest.
+struct Press<'s> {
+    spindle: &'s DynSpindle<'s, f64>,
+    solver: DynSolver<f64, Static>,
+}
+
+impl<'s> Press<'s> {
+    fn of(spindle: &'s DynSpindle<'s, f64>) -> Self {
+        Self {
+            spindle,
+            solver: DynSolver::of(),
+        }
+    }
+
+    /// Force between the rows that face `+x` and the others, N, where each row is closed by so much more, m. Rows that do not touch have none.
+    fn force(&mut self, growth: &[Growth<f64>], more: impl Fn(usize) -> f64) -> f64 {
+        let mut grown = growths(growth);
+        // More closure is an axial growth.
+        for (row, grown) in grown.iter_mut().enumerate() {
+            grown.axial += more(row);
+        }
+        self.solver.reset();
+        let at = Speed::rad_per_s(0.0).with_growth(grown);
+        match self
+            .solver
+            .solve(self.spindle, [0.0; 5], at, &Settings::DEFAULT)
+        {
+            Ok(solution) => {
+                let rows = solution.rows().zip(self.spindle.facings());
+                let ahead = rows.filter(|(_, facing)| *facing == Facing::PlusX);
+                ahead.map(|(row, _)| row.preload()).sum()
+            }
+            Err(_) => 0.0,
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! The law of a spindle's preload, and settings of its probes, for the monitor's estimates.
 
-use super::{DynSolver, DynSpindle, Parts, closed, growths};
+use super::{DynSolver, Parts, Press, closed, growths};
 use crate::designs::DesignFileError;
 use crate::plan::{BuildError, Plan};
 use crate::spindles::SpindleFile;
@@ -107,28 +107,26 @@ fn law(file: &SpindleFile) -> Result<Option<PreloadLaw>, BuildError> {
     }
     let parts = Parts::<f64>::of(&alone)?;
     let spindle = parts.spindle(&alone)?;
-    let mut press = Press {
-        spindle: &spindle,
-        solver: DynSolver::of(),
-    };
-    let sum = press.force(&fixed, 0.0);
-    let refused =
-        |what: &str| BuildError::Spindle(format!("the preload at the probes has no law: {what}"));
-    if sum <= 0.0 {
-        return Err(refused(
-            "rows do not press each other at rest, cold, without loads",
-        ));
+    let mut press = Press::of(&spindle);
+    let mut pressed = |growth: &[Growth<f64>], closure: f64| press.force(growth, |_| closure);
+    let sum = pressed(&fixed, 0.0);
+    let slope = (pressed(&fixed, SMALL) - pressed(&fixed, -SMALL)) / (2.0 * SMALL);
+    // Rows that do not press each other at rest have no preload to be a part of.
+    if sum <= 0.0 || slope <= 0.0 {
+        return Ok(None);
     }
-    let slope = (press.force(&fixed, SMALL) - press.force(&fixed, -SMALL)) / (2.0 * SMALL);
-    let mut closures = [0.0; NODES];
     let [least, step] = POWERS.map(f64::from);
-    let mut last = [0.0, sum / slope];
-    for (i, closure) in closures.iter_mut().enumerate() {
+    let scale = sum / slope;
+    let mut closures = [0.0; NODES];
+    for i in 0..NODES {
         let wanted = sum * (least + step * i as f64).powf(1.5);
-        let found = press.closure(&fixed, wanted, last);
-        let found = found.ok_or_else(|| refused("no closure gives a multiple of it"))?;
-        last[0] = found;
-        *closure = found as f32;
+        let near = if i == 0 { 0.0 } else { closures[i - 1] };
+        closures[i] = match closure_of(|closure| pressed(&fixed, closure), wanted, near, scale) {
+            Some(closure) => closure,
+            // More than the rows can bear: closure is almost a straight line over the power.
+            None if i > 1 => 2.0 * closures[i - 1] - closures[i - 2],
+            None => return Ok(None),
+        };
     }
     let mut heat = [0.0; 2];
     for (side, by) in heat.iter_mut().enumerate() {
@@ -138,7 +136,7 @@ fn law(file: &SpindleFile) -> Result<Option<PreloadLaw>, BuildError> {
                 .map(|(fixed, of)| *fixed + of[1 + side] * kelvin)
                 .collect()
         };
-        let change = press.force(&warm(KELVIN), 0.0) - press.force(&warm(-KELVIN), 0.0);
+        let change = pressed(&warm(KELVIN), 0.0) - pressed(&warm(-KELVIN), 0.0);
         *by = (change / (2.0 * KELVIN) / slope) as f32;
     }
     let clamped = plan.rows.iter().enumerate();
@@ -147,70 +145,41 @@ fn law(file: &SpindleFile) -> Result<Option<PreloadLaw>, BuildError> {
         force: ground.unwrap_or(sum) as f32,
         by: PreloadBy::Closure {
             rows: clamped.fold(0, |rows, (i, _)| rows | 1 << i),
-            closures,
+            closures: closures.map(|closure| closure as f32),
             heat,
         },
     }))
 }
 
-/// Rows that press each other at rest.
-struct Press<'s> {
-    spindle: &'s DynSpindle<'s, f64>,
-    solver: DynSolver<f64, Static>,
-}
-
-impl Press<'_> {
-    /// Force between the rows that face `+x` and the others, N, where all are closed by so much more, m. Rows that do not touch have none.
-    fn force(&mut self, growth: &[Growth<f64>], closure: f64) -> f64 {
-        let mut grown = growths(growth);
-        for grown in &mut grown {
-            grown.axial += closure;
+/// The closure whose force is this one, near another one and on this scale, by halving an interval.
+fn closure_of(
+    mut force: impl FnMut(f64) -> f64,
+    wanted: f64,
+    near: f64,
+    scale: f64,
+) -> Option<f64> {
+    let (mut low, mut high) = (near, near);
+    for _ in 0..MOST_SOLVES {
+        if force(low) < wanted {
+            break;
         }
-        self.solver.reset();
-        let at = Speed::rad_per_s(0.0).with_growth(grown);
-        match self
-            .solver
-            .solve(self.spindle, [0.0; 5], at, &Settings::DEFAULT)
-        {
-            Ok(solution) => {
-                let rows = solution.rows().zip(self.spindle.facings());
-                let ahead = rows.filter(|(_, facing)| *facing == Facing::PlusX);
-                ahead.map(|(row, _)| row.preload()).sum()
-            }
-            Err(_) => 0.0,
+        low -= 0.3 * scale;
+    }
+    for _ in 0..MOST_SOLVES {
+        if force(high) > wanted {
+            break;
+        }
+        high += 0.3 * scale;
+    }
+    for _ in 0..MOST_SOLVES {
+        let middle = 0.5 * (low + high);
+        match force(middle) < wanted {
+            true => low = middle,
+            false => high = middle,
+        }
+        if high - low < 1e-6 * scale {
+            break;
         }
     }
-
-    /// The closure that gives this force, near another one and on this scale, by halving an interval.
-    fn closure(
-        &mut self,
-        growth: &[Growth<f64>],
-        wanted: f64,
-        [near, scale]: [f64; 2],
-    ) -> Option<f64> {
-        let (mut low, mut high) = (near, near);
-        for _ in 0..MOST_SOLVES {
-            if self.force(growth, low) < wanted {
-                break;
-            }
-            low -= 0.3 * scale;
-        }
-        for _ in 0..MOST_SOLVES {
-            if self.force(growth, high) > wanted {
-                break;
-            }
-            high += 0.3 * scale;
-        }
-        for _ in 0..MOST_SOLVES {
-            let middle = 0.5 * (low + high);
-            match self.force(growth, middle) < wanted {
-                true => low = middle,
-                false => high = middle,
-            }
-            if high - low < 1e-6 * scale {
-                break;
-            }
-        }
-        ((self.force(growth, high) / wanted - 1.0).abs() < 1e-3).then_some(high)
-    }
+    ((force(high) / wanted - 1.0).abs() < 1e-3).then_some(high)
 }

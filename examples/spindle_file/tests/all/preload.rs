@@ -118,6 +118,16 @@ fn closures_give_the_preload_that_the_law_says() {
     );
 }
 
+/// A heavy preload has a law as far as the rows bear it, and rows that do not press each other have none.
+#[test]
+fn a_heavy_preload_has_a_law_and_none_has_none() {
+    let heavy = law(&pair("preload_n = 2500\n", "", ""));
+    let [closure, slope] = heavy.closure(1.6);
+    assert!(closure > 0.0 && slope > 0.0 && heavy.force == 2500.0);
+    let idle = "[monitor.idle]\nfx_n = 200\n";
+    assert_eq!(settings(&pair("", "", idle)).preload, None);
+}
+
 #[test]
 fn accuracies_are_the_files() {
     let text = pair("preload_n = 250\n", "", "");
