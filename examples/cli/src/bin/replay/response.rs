@@ -261,8 +261,8 @@ impl<'h, const P: usize> History<'h, P> {
             );
         }
         if !self.told_found
-            && let Some(report) = self.monitor.probes_report()
             && self.monitor.is_commissioned()
+            && let Some(report) = self.monitor.probes_report()
         {
             self.told_found = true;
             self.found(&format!("commissioned at {time} s"), &report);
