@@ -2,8 +2,7 @@
 //!
 //! | modules | do |
 //! | --- | --- |
-//! | [`recordings`], [`fault`], [`times`] | recorded loads, row by row |
-//! | [`import`], [`propose`], [`quantities`], [`units`] | columns of other programs, described or proposed |
+//! | [`recordings`], [`quantities`], [`fault`], [`times`] | recorded loads, row by row |
 //! | [`milling_cycle`], [`warm_up`], [`truth`], [`random`] | synthetic recordings |
 //! | [`replay`], [`lifetime`] | recorded loads through the solver |
 //! | [`board`] | the board's monitor of any spindle on this machine |
@@ -22,13 +21,11 @@ pub mod drawing;
 #[cfg(feature = "board")]
 pub mod emulator;
 pub mod fault;
-pub mod import;
 pub mod lifetime;
 mod lines;
 pub mod milling_cycle;
 #[cfg(feature = "programs")]
 pub mod output;
-pub mod propose;
 pub mod quantities;
 pub mod random;
 pub mod recordings;
@@ -37,7 +34,6 @@ pub mod stream;
 pub mod telemetry;
 pub mod times;
 pub mod truth;
-pub mod units;
 pub mod warm_up;
 
 use std::path::Path;

@@ -1,94 +1,26 @@
-//! Lines of a text file, their fields and numbers.
+//! Lines of a text file, and their fields.
 
 use crate::fault::LoadsError;
-use std::fmt::Write;
-use std::io::{BufRead, BufReader, Read};
+use std::fmt::{Display, Write};
+use std::io::{self, BufRead, BufReader, Read};
 
 /// Length beyond which a line is no row of numbers. Without a bound, a stray binary file would be read into memory before
 /// the complaint.
 const LONGEST_LINE: u64 = 16 * 1024;
 
-/// Separators of fields by their names in a description. Blanks separate by any number.
-pub const SEPARATORS: [(&str, u8); 4] = [
-    ("tab", b'\t'),
-    ("semicolon", b';'),
-    ("comma", b','),
-    ("blank", b' '),
-];
-
-/// First bytes of files that are no text, what they are, and how to get a table of them.
-const NO_TEXT: [(&[u8], &str); 6] = [
-    (
-        b"PK\x03\x04",
-        "an Excel workbook or another zip archive: save its sheet as CSV",
-    ),
-    (
-        b"\xD0\xCF\x11\xE0",
-        "an old Excel workbook: save its sheet as CSV",
-    ),
-    (
-        b"TDSm",
-        "a TDMS file of LabVIEW: export it as text from DIAdem, or by Excel's TDM importer",
-    ),
-    (
-        b"MATLAB ",
-        "a MAT-file of MATLAB: write the table by writetable(T, 'loads.csv')",
-    ),
-    (
-        b"\x89HDF",
-        "an HDF5 or MAT-file: write its table as CSV, in MATLAB by writetable(T, 'loads.csv')",
-    ),
-    (
-        b"\x1F\x8B",
-        "compressed: unpack it by gunzip, into a pipe to `-` if it is large",
-    ),
-];
-
-/// A line of the file, and its number from 1.
-#[derive(Debug, Clone, Default)]
-pub struct Line {
-    pub number: u64,
-    pub text: Vec<u8>,
-}
-
-impl Line {
-    /// Its fields as text; none where they cannot be told apart. A name may go over several lines.
-    pub fn fields(&self, separator: u8) -> Vec<String> {
-        let mut fields = Vec::new();
-        let take = |_, field: &[u8]| fields.push(text(field).replace("\r\n", "\n"));
-        match split(&self.text, separator, take) {
-            Ok(_) => fields,
-            Err(_) => Vec::new(),
-        }
-    }
-
-    /// It has nothing but separators.
-    pub fn is_blank(&self) -> bool {
-        let mut bytes = self.text.iter();
-        bytes.all(|byte| b",;\" \t\r\n\x1a".contains(byte))
-    }
-
-    /// A field begins with a quotation mark that is not closed: the line goes on below.
-    pub fn is_open(&self) -> bool {
-        let (mut is_open, mut before) = (false, b',');
-        for byte in &self.text {
-            if *byte == b'"' {
-                is_open = !is_open && b",;\t \n\"".contains(&before);
-            }
-            before = *byte;
-        }
-        is_open
-    }
+/// Error of a file that the operating system refused to open or to read.
+pub fn unreadable(file: &str, error: &io::Error) -> LoadsError {
+    LoadsError::Malformed(format!("{file}: cannot be read: {error}"))
 }
 
 /// The lines of a file as a stream, so that a pipe of any length works.
 pub struct Lines {
     pub file: String,
     input: BufReader<Box<dyn Read + Send>>,
-    number: u64,
+    /// The line, without its line feed, and its number from 1.
+    pub text: Vec<u8>,
+    pub number: u64,
     pub bytes: u64,
-    /// The first line is that of a universal file.
-    may_be_universal: bool,
 }
 
 impl Lines {
@@ -96,161 +28,89 @@ impl Lines {
         Self {
             file: file.to_owned(),
             input: BufReader::with_capacity(64 * 1024, input),
+            text: Vec::new(),
             number: 0,
             bytes: 0,
-            may_be_universal: false,
         }
     }
 
-    /// Error of the line of this number.
-    pub fn malformed(&self, number: u64, message: impl std::fmt::Display) -> LoadsError {
-        let number = number.max(1);
-        LoadsError::Malformed(format!("{}: line {number}, column 1: {message}", self.file))
+    /// Error of a field of the line, counted from 1, which ends the reading.
+    pub fn malformed(&self, field: usize, message: impl Display) -> LoadsError {
+        let (file, line) = (&self.file, self.number.max(1));
+        LoadsError::Malformed(format!("{file}: line {line}, column {field}: {message}"))
     }
 
-    /// Brings the next line of the file, with a line feed at its end; `false` after the last.
-    pub fn next(&mut self, line: &mut Line) -> Result<bool, LoadsError> {
-        let text = &mut line.text;
-        text.clear();
+    /// Brings the next line of the file; `false` after the last.
+    pub fn next(&mut self) -> Result<bool, LoadsError> {
+        self.text.clear();
         let taken = (&mut self.input)
             .take(LONGEST_LINE)
-            .read_until(b'\n', text)
-            .map_err(|source| LoadsError::Unreadable {
-                file: self.file.clone(),
-                source,
-            })?;
+            .read_until(b'\n', &mut self.text)
+            .map_err(|error| unreadable(&self.file, &error))?;
         if taken == 0 {
             return Ok(false);
         }
         self.number += 1;
-        line.number = self.number;
         self.bytes += taken as u64;
-        if self.number <= 2 {
-            self.check(text)?;
-        }
-        if taken as u64 == LONGEST_LINE && text.last() != Some(&b'\n') {
+        if self.text.last() == Some(&b'\n') {
+            self.text.pop();
+        } else if taken as u64 == LONGEST_LINE {
             let message =
                 format!("the line is longer than {LONGEST_LINE} bytes; is this a table of loads?");
-            return Err(self.malformed(self.number, message));
+            return Err(self.malformed(1, message));
         }
-        if text.last() != Some(&b'\n') {
-            text.push(b'\n');
+        if self.number == 1 && self.text.starts_with(b"\xEF\xBB\xBF") {
+            self.text.drain(..3);
         }
         Ok(true)
     }
 
-    /// Looks at the first two lines, whether the file is text at all.
-    fn check(&mut self, text: &mut Vec<u8>) -> Result<(), LoadsError> {
-        let trimmed = text.trim_ascii();
-        let word = trimmed
-            .split(|byte| *byte == b' ')
-            .next()
-            .unwrap_or_default();
-        let word = word.strip_suffix(b"b").unwrap_or(word);
-        let digits = word.iter().all(u8::is_ascii_digit) && !word.is_empty();
-        let universal = self.may_be_universal && digits;
-        let first = self.number == 1;
-        self.may_be_universal = first && trimmed == b"-1";
-        let mut known = NO_TEXT.iter();
-        let known = known.find(|(start, _)| first && text.starts_with(start));
-        let zeros = text.iter().filter(|byte| **byte == 0).count();
-        let is_wide = first && (text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF"));
-        let message = if let Some((_, known)) = known {
-            format!("the file is {known}")
-        } else if universal {
-            "the file is a universal file (UFF): export the time histories as CSV from the program that wrote it".to_owned()
-        } else if is_wide || text.len() > 3 && 3 * zeros > text.len() {
-            "the file is UTF-16 text; save it as CSV in UTF-8".to_owned()
-        } else {
-            if first && text.starts_with(b"\xEF\xBB\xBF") {
-                text.drain(..3);
-            }
-            return Ok(());
-        };
-        Err(self.malformed(self.number, message))
+    /// The line has nothing but separators.
+    pub fn is_blank(&self) -> bool {
+        let mut bytes = self.text.iter();
+        bytes.all(|byte| b",;\" \t\r\x1a".contains(byte))
     }
 }
 
 /// Hands the fields of a line, with their numbers, to `take`. Returns how many there are, or the field at fault and its fault.
 pub fn split(
-    line: &[u8],
+    line: &str,
     separator: u8,
-    mut take: impl FnMut(usize, &[u8]),
+    mut take: impl FnMut(usize, &str),
 ) -> Result<usize, (usize, &'static str)> {
-    const MIDDLE: &str = "a carriage return in the middle of the line; end lines with LF or CR LF";
-    if !line.contains(&b'"') {
-        let line = line.strip_suffix(b"\n").unwrap_or(line);
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
-        let mut count = 0;
-        let by_blanks = separator == b' ';
-        for field in line.split(|byte| *byte == separator || by_blanks && *byte == b'\t') {
-            if by_blanks && field.trim_ascii().is_empty() {
-                continue;
-            }
-            count += 1;
-            if field.contains(&b'\r') {
-                return Err((count, MIDDLE));
-            }
-            take(count - 1, field.trim_ascii());
-        }
-        return Ok(count);
-    }
-    let mut records = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(separator)
-        .buffer_capacity(line.len())
-        .from_reader(line)
-        .into_byte_records()
-        .map_while(Result::ok);
-    let record = records.next().unwrap_or_default();
-    let end = record.iter().next_back().unwrap_or_default();
-    if end.ends_with(b"\n") {
-        let open = "a quotation mark is opened but not closed on this line";
-        return Err((record.len(), open));
-    }
-    let is_blank = |rest: csv::ByteRecord| rest.iter().all(|field| field.trim_ascii().is_empty());
-    if !records.all(is_blank) {
-        return Err((record.len(), MIDDLE));
-    }
+    let line = line.strip_suffix('\r').unwrap_or(line);
     let mut count = 0;
-    for field in record.iter() {
-        if separator != b' ' || !field.trim_ascii().is_empty() {
+    if let Some(at) = line.find('\r') {
+        let before = line[..at].bytes().filter(|byte| *byte == separator);
+        let middle = "a carriage return in the middle of the line; end lines with LF or CR LF";
+        return Err((1 + before.count(), middle));
+    }
+    if !line.contains('"') {
+        for field in line.split(char::from(separator)) {
             take(count, field.trim_ascii());
             count += 1;
         }
+        return Ok(count);
+    }
+    // A quotation mark that is not closed takes the line feed into the last field.
+    let line = format!("{line}\n");
+    let mut reader = csv::ReaderBuilder::new();
+    let reader = reader
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(separator);
+    let mut records = reader.from_reader(line.as_bytes()).into_records();
+    let record = records.next().and_then(Result::ok).unwrap_or_default();
+    let mut ends = record.iter().rev();
+    if ends.next().is_some_and(|end| end.ends_with('\n')) {
+        let open = "a quotation mark is opened but not closed on this line";
+        return Err((record.len(), open));
+    }
+    for field in &record {
+        take(count, field.trim_ascii());
+        count += 1;
     }
     Ok(count)
-}
-
-/// A number with these decimals, to the letter: no mark of thousands. A blank may stand behind the sign, which may be the
-/// minus of typesetting.
-pub fn number(text: &str, decimal: u8) -> Option<f64> {
-    let is_comma = decimal == b',';
-    if is_comma && text.contains('.') || !is_comma && text.contains(',') {
-        return None;
-    }
-    if let Ok(number) = text.parse() {
-        return Some(number);
-    }
-    let plain = text.replacen('\u{2212}', "-", 1).replacen(',', ".", 1);
-    match plain.split_at_checked(1) {
-        Some((sign @ ("+" | "-"), digits)) if digits.starts_with(' ') => {
-            let digits = digits.trim_start();
-            let is_signed = digits.starts_with(['+', '-']);
-            let number = format!("{sign}{digits}").parse().ok();
-            number.filter(|_| !is_signed)
-        }
-        _ => plain.parse().ok(),
-    }
-}
-
-/// Text of a field: UTF-8, or what Windows writes in the west.
-pub fn text(field: &[u8]) -> String {
-    match std::str::from_utf8(field) {
-        Ok(text) => text.to_owned(),
-        Err(_) => field.iter().map(|byte| char::from(*byte)).collect(),
-    }
 }
 
 /// Characters of a field that messages show.
@@ -265,13 +125,12 @@ pub fn shown(field: &str) -> String {
     format!("{shown:?}")
 }
 
-/// The first of these names, and the number of the others.
-pub fn listed(names: &[String]) -> String {
-    const MOST: usize = 12;
-    let quoted = names.iter().take(MOST).map(|name| shown(name));
+/// The first `most` of these names, and the number of the others.
+pub fn listed(names: &[String], most: usize) -> String {
+    let quoted = names.iter().take(most).map(|name| shown(name));
     let mut list = quoted.collect::<Vec<_>>().join(", ");
-    if names.len() > MOST {
-        let _ = write!(list, " and {} more", names.len() - MOST);
+    if names.len() > most {
+        let _ = write!(list, " and {} more", names.len() - most);
     }
     list
 }

@@ -3,10 +3,9 @@
 
 use anyhow::{Context, Result};
 use clap::{ArgGroup, Parser};
-use cli::import::Wanted;
 use cli::milling_cycle::record_of;
 use cli::output::NewFile;
-use cli::recordings;
+use cli::recordings::{self, Wanted};
 use cli::telemetry::session::Session;
 use cli::telemetry::simulated;
 use cli::telemetry::source::{self, Chunks, PortOperator};
@@ -188,7 +187,7 @@ fn open(arguments: &Arguments) -> Result<(Chunks, Option<PortOperator>)> {
         shares_times: true,
         ..Wanted::default()
     };
-    let rows = recordings::read(path, None, &wanted)?;
+    let rows = recordings::read(path, &wanted)?;
     let rows = rows.take_while(|row| row.as_ref().map_or(true, |row| row.time_s < end));
     let bytes = simulated::stream(&file, rows)?;
     Ok((source::stream(Cursor::new(bytes)), None))

@@ -1,8 +1,7 @@
 //! A recording as the board receives it: a record of loads and speed a tick, and temperatures at times.
 
 use super::per_tick::PerTick;
-use crate::import::{Import, Wanted};
-use crate::recordings;
+use crate::recordings::{self, Wanted};
 use anyhow::{Result, anyhow, ensure};
 use spindle_file::probes::Probe;
 use spindle_monitor::command::MOST_PROBES;
@@ -25,7 +24,6 @@ const LONGEST: f64 = 3600.0;
 /// Reads the first `seconds` of a recording, or all of it, at the rate of ticks of `period_us`, with these probes.
 pub fn read(
     path: &str,
-    import: Option<&Import>,
     probes: &[Probe],
     seconds: Option<f64>,
     period_us: u32,
@@ -35,7 +33,7 @@ pub fn read(
         shares_times: true,
         ..Wanted::default()
     };
-    let mut rows = recordings::read(path, import, &wanted)?;
+    let mut rows = recordings::read(path, &wanted)?;
     for (probe, _) in probes.iter().zip(rows.has_probes()).filter(|(_, has)| !has) {
         eprintln!("{path}: there is no column probe_{}_um", probe.name);
     }

@@ -1,11 +1,10 @@
 //! `cargo replay --limits`: alarms over a recording, those of the firmware.
 
-use crate::malformed::HEADER;
+use crate::malformed::{HEADER, warmed};
 use crate::replay::{replayed, scratch, table};
 use crate::response::{PROBES, recording};
-use cli::import::Wanted;
 use cli::milling_cycle::record_of;
-use cli::recordings;
+use cli::recordings::{self, Wanted};
 use cli::stream::per_tick::PerTick;
 use cli::stream::{ROOM, TEMPERATURES};
 use cli::telemetry::simulated::MONITOR;
@@ -38,7 +37,7 @@ fn of_chain(path: &str) -> Vec<(u64, &'static str, bool)> {
     chain.prepare().unwrap();
     let mut events = Vec::new();
     let (mut orders, mut raised) = (Vec::new(), [0; Alarm::COUNT]);
-    let rows = recordings::read(path, None, &Wanted::default()).unwrap();
+    let rows = recordings::read(path, &Wanted::default()).unwrap();
     for (number, tick) in PerTick::new(rows, MONITOR.tick.period_us).enumerate() {
         let tick = tick.unwrap();
         let mut bytes = std::mem::take(&mut orders);
@@ -249,10 +248,9 @@ fn alarms_and_estimates_of_probes_are_those_of_the_board() {
             fields.join(",") + "\n"
         })
         .collect();
+    let csv = warmed(&csv);
     let path = path.to_str().unwrap();
-    let args = [path, "-", "--limits"];
-    let warm = ["--t_inner", "25", "--t_outer", "22"];
-    let (status, out, err) = replayed(&[&args[..], &warm].concat(), &csv);
+    let (status, out, err) = replayed(&[path, "-", "--limits"], &csv);
     assert_eq!(status, 0, "{err}");
 
     let file = SpindleFile::parse(path, &text, Path::new(folder)).unwrap();
@@ -262,7 +260,7 @@ fn alarms_and_estimates_of_probes_are_those_of_the_board() {
         ..Wanted::default()
     };
     let csv = Box::new(std::io::Cursor::new(csv));
-    let rows = recordings::Loads::from_reader("", csv, None, &wanted).unwrap();
+    let rows = recordings::Loads::from_reader("", csv, &wanted).unwrap();
     for (number, tick) in PerTick::new(rows, MONITOR.tick.period_us).enumerate() {
         let tick = tick.unwrap();
         let probes = tick.probes.map(|um| um.unwrap_or(f32::NAN));
@@ -353,10 +351,9 @@ fn a_spindle_of_the_larger_board_has_a_monitor_there_alone() {
     std::fs::write(&path, text.replace("preload_n = 250", "preload_n = 50")).unwrap();
     let (path, loads) = (
         path.to_str().unwrap(),
-        format!("{HEADER}0,5,30,-4,1,2,900\n1,5,1,1,1,1,900\n"),
+        warmed(&format!("{HEADER}0,5,30,-4,1,2,900\n1,5,1,1,1,1,900\n")),
     );
-    let given = ["--t_inner", "25", "--t_outer", "22"];
-    let args = [&[path, "-", "--limits"], &given[..]].concat();
+    let args = [path, "-", "--limits"];
     let (status, _, err) = replayed(&args, &loads);
     assert_eq!(status, 2, "{err}");
     assert!(err.contains("on the STM32F405 has no time"), "{err}");
@@ -374,11 +371,12 @@ fn every_shipped_spindle_has_a_monitor() {
         let path = path.to_str().unwrap();
         let loads =
             format!("{HEADER}0,50,300,-40,1,2,9000\n0.1,nan,300,-40,1,2,9000\n1,50,1,1,1,1,9000\n");
-        let mut args = vec![path, "-", "--limits"];
-        if std::fs::read_to_string(path).unwrap().contains("\n[heat]") {
-            args.extend(["--t_inner", "25", "--t_outer", "22"]);
-        }
-        let (status, out, err) = replayed(&args, &loads);
+        let is_warm = std::fs::read_to_string(path).unwrap().contains("\n[heat]");
+        let loads = match is_warm {
+            true => warmed(&loads),
+            false => loads,
+        };
+        let (status, out, err) = replayed(&[path, "-", "--limits"], &loads);
         assert_eq!(status, 0, "{path}: {err}");
         // No number for 0.9 s.
         assert!(out.contains("sensor,raised,0.1,0.1,s"), "{path}: {out}");

@@ -1,9 +1,8 @@
 //! `cargo replay`: arguments, messages, exit status, and that the results are the solver's.
 
 use crate::malformed::{self, HEADER};
-use cli::import::Wanted;
 use cli::milling_cycle::RECORD;
-use cli::recordings::Loads;
+use cli::recordings::{Loads, Wanted};
 use spindle_bearing::{BallKinematics, BallState};
 use spindle_file::designs::SHIPPED;
 use spindle_file::dispatch::{Attitude, Precision};
@@ -113,7 +112,7 @@ pub fn numbers(fields: &[&str], precision: Precision) -> Vec<f64> {
 
 pub fn parsed(csv: &str) -> Vec<LoadRow> {
     let input = Cursor::new(csv.as_bytes().to_vec());
-    let loads = Loads::from_reader("loads.csv", Box::new(input), None, &Wanted::default()).unwrap();
+    let loads = Loads::from_reader("loads.csv", Box::new(input), &Wanted::default()).unwrap();
     loads.map(Result::unwrap).collect()
 }
 
@@ -654,66 +653,45 @@ fn bearings_of_the_catalogue_are_replayed_by_name_and_listed() {
     assert!(status == 0 && list.contains("gmn:S6014C"), "{list}");
 }
 
-/// Two commands from a foreign file to results: proposal, filled in, solve. Options override what is open.
+/// Another file gets what it has, what is due, and the lines that make a recording of it.
 #[test]
-fn a_foreign_recording_is_solved_by_its_description() {
-    let text =
-        "logger 5\nt [ms];Fx [kN];Fy [N];Fz [V];n [1/min]\n0;0,4;1;0,5;6000\n10;0,4;1;0,5;x\n";
-    let bearing = shipped("b7005c");
-    let (status, out, err) = replayed(&[&bearing, "-"], text);
+fn another_file_is_refused_with_the_lines_that_make_a_recording() {
+    let text = "t;Fx [kN];Fy;Fz;remark;n\n0;0,4;1;0,5;a;6000\n";
+    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], text);
     assert_eq!((status, &*out), (2, ""));
-    assert!(
-        err.contains("cargo replay --propose - > recording.toml\n"),
-        "{err}"
+    assert_eq!(
+        err,
+        "replay: standard input: line 1, column 1: the names are \"t\", \"Fx [kN]\", \"Fy\", \"Fz\", \"remark\" and 1 more: \
+         there is no fx_n, fy_n, fz_n, my_nm, mz_nm, speed_rpm\n  \
+         column 1: `t`: the column `time_s` is due, in s: rename it if it is in s, convert it, or leave it out\n  \
+         column 2: `Fx [kN]`: the column `fx_n` is due, in N: multiply by 1000\n  \
+         column 3: `Fy`: the column `fy_n` is due, in N: rename it if it is in N, convert it, or leave it out\n  \
+         column 4: `Fz`: the column `fz_n` is due, in N: rename it if it is in N, convert it, or leave it out\n\
+         Type the header time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm above your columns in a spreadsheet, and save them as CSV. \
+         Or in Python, after `import pandas`:\n  \
+         df = pandas.read_csv(\"other.csv\", sep=\";\", decimal=\",\")  # or read_excel\n  \
+         df = pandas.DataFrame({\"time_s\": df[\"?\"], \"fx_n\": df[\"?\"], \"fy_n\": df[\"?\"], \"fz_n\": df[\"?\"], \
+         \"my_nm\": df[\"?\"], \"mz_nm\": df[\"?\"], \"speed_rpm\": df[\"?\"]})  # such as 1000 * df[\"Fx / kN\"], or a constant\n  \
+         df.to_csv(\"loads.csv\", index=False)\n"
     );
-    assert!(
-        err.contains("cargo replay SPINDLE.toml - --import recording.toml\n"),
-        "{err}"
-    );
-    let (status, proposal, report) = replayed(&["--propose", "-"], text);
-    assert_eq!(status, 0);
-    assert!(
-        proposal.contains("fz = { column = \"Fz [V]\", unit = \"?\" }   # the file says \"V\""),
-        "{proposal}"
-    );
-    let (names, units) = (
-        "time            fx            fy            fz         speed",
-        "s             N             N            N?           rpm",
-    );
-    let row = "0           400             1           0.5          6000";
-    assert!(
-        [names, units, row].iter().all(|line| report.contains(line)),
-        "{report}"
-    );
-    let path = scratch("slot.toml");
-    std::fs::write(
-        &path,
-        proposal.replace("unit = \"?\"", "unit = \"N\", factor = 200"),
-    )
-    .unwrap();
-    let path = path.to_str().unwrap();
-    let args = [
-        &*bearing,
-        "-",
-        "--import",
-        path,
-        "--select",
-        "time_s,fx,fy,fz,my,mz,speed",
-    ];
-    let (status, _, err) = replayed(&args, text);
-    assert!(status == 2 && err.contains("`my`, `mz` are open"), "{err}");
-    let given = [&args[..], &["--my", "0", "--mz", "-2"]].concat();
-    let (status, out, err) = replayed(&given, text);
-    assert_eq!(status, 0, "{err}");
-    assert!(
-        out.ends_with("\n0,400,1,100,0,-2,6000\n0.01,400,1,100,0,-2,\n"),
-        "{out}"
-    );
-    assert!(
-        err.contains("rows read 1, refused 1; lines skipped 0"),
-        "{err}"
-    );
-    std::fs::remove_file(path).unwrap();
+    let (_, _, err) = replayed(&[&shipped("b7005c"), "-", "--given", "dx=0,ty=0"], "a\tb\n");
+    for told in [
+        "there is no fy_n, fz_n, mz_nm, speed_rpm\n",
+        "Type the header time_s,fy_n,fz_n,mz_nm,speed_rpm above",
+        "read_csv(\"other.csv\", sep=\"\\t\", decimal=\",\")",
+    ] {
+        assert!(err.contains(told), "{told}\n{err}");
+    }
+}
+
+/// A constant is a column, and no option, of a recording.
+#[test]
+fn options_give_no_columns() {
+    let (status, _, err) = replayed(&[&shipped("b7005c"), "-", "--my", "0"], HEADER);
+    let told = "'[LOADS.csv]' cannot be used with '--my <Nm>'";
+    assert!(status == 2 && err.contains(told), "{err}");
+    let (status, _, err) = replayed(&[&shipped("b7005c"), "--my", "0"], "");
+    assert!(status == 2 && err.contains("--sensitivity"), "{err}");
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn recordings_and_options_that_do_not_fit_a_spindle_are_told() {
         err
     };
     let found = complaint(good.replace("[nose]", "[heat]\nreference_c = 20\n[nose]"));
-    let reason = "no column t_inner_c: add it, or give --t_inner; no column t_outer_c: add it";
+    let reason = "there is no t_inner_c, t_outer_c\n";
     assert!(found.contains(reason), "{found}");
     assert!(
         complaint("row = []\nname = \"none\"".to_owned())
@@ -93,7 +93,8 @@ fn recordings_and_options_that_do_not_fit_a_spindle_are_told() {
     let half = LOADS.replace("speed_rpm", "speed_rpm,t_inner_c");
     let (_, _, err) = replayed(&[&shipped("7014c_qbc"), "-"], &half);
     assert!(err.contains("are for spindles with [heat]"), "{err}");
-    let (_, _, err) = replayed(&[&shipped("7014c_qbc"), "-", "--t_inner", "30"], LOADS);
+    let warm = [&shipped("7014c_qbc"), "--sensitivity", "--t_inner", "30"];
+    let (_, _, err) = replayed(&warm, "");
     assert!(
         err.contains("--t_inner is for spindles with [heat]"),
         "{err}"

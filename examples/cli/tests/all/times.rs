@@ -1,10 +1,9 @@
 //! Times of a recording: records of one time share the time to the next one, and a time is a number.
 
-use crate::malformed::HEADER;
+use crate::malformed::{HEADER, warmed};
 use crate::replay::{replayed, scratch};
 
 const SPINDLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/spindle.toml");
-const WARM: [&str; 4] = ["--t_inner", "25", "--t_outer", "22"];
 
 /// A heavy cut for nine tenths of each of these seconds, then idling; the times are those of `stamp`.
 fn cut(seconds: u32, stamp: impl Fn(f64) -> String) -> String {
@@ -29,8 +28,7 @@ fn in_seconds() -> String {
 }
 
 fn life(text: &str) -> (f64, f64, String) {
-    let args = [&[SPINDLE, "-", "--summary=json"], &WARM[..]].concat();
-    let (status, out, err) = replayed(&args, text);
+    let (status, out, err) = replayed(&[SPINDLE, "-", "--summary=json"], &warmed(text));
     assert_eq!(status, 0, "{err}");
     let summary: serde_json::Value = serde_json::from_str(&out).unwrap();
     let figure = |key: &str| summary[key].as_f64().unwrap();
@@ -87,8 +85,7 @@ fn a_pause_is_not_shared() {
 #[test]
 fn alarms_do_not_depend_on_how_times_are_stamped() {
     let limits = |text: &str| {
-        let args = [&[SPINDLE, "-", "--limits"], &WARM[..]].concat();
-        let (status, out, err) = replayed(&args, text);
+        let (status, out, err) = replayed(&[SPINDLE, "-", "--limits"], &warmed(text));
         assert_eq!(status, 0, "{err}");
         (out, err)
     };
@@ -107,7 +104,11 @@ fn a_time_is_a_finite_number() {
     let recording = |time: &str| {
         let rows =
             ["0", "0.1", time, "0.3"].map(|time| format!("{time},50,300,-40,1,2,9000,1.0\n"));
-        format!("{},probe_nose_um\n{}", HEADER.trim_end(), rows.concat())
+        warmed(&format!(
+            "{},probe_nose_um\n{}",
+            HEADER.trim_end(),
+            rows.concat()
+        ))
     };
     let probes = std::fs::read_to_string(SPINDLE)
         .unwrap()
@@ -121,7 +122,7 @@ fn a_time_is_a_finite_number() {
             "line 4, column 1 (time_s): \"{time}\" is no time; give seconds from -1e15 to 1e15"
         );
         for args in [&[][..], &["--summary"], &["--limits"], &["--response", out]] {
-            let args = [&[spindle, "-"], args, &WARM].concat();
+            let args = [&[spindle, "-"], args].concat();
             let (status, table, err) = replayed(&args, &recording(time));
             assert_eq!(status, 0, "{args:?} {err}");
             assert!(err.contains("rows read 3, refused 1"), "{args:?} {err}");

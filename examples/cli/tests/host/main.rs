@@ -2,7 +2,6 @@
 
 mod cycle;
 mod day;
-mod foreign;
 mod hostile;
 mod nose;
 mod recordings;

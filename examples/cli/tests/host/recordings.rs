@@ -2,9 +2,8 @@
 //! solver and the table.
 
 use cli::fault::LoadsError;
-use cli::import::Wanted;
 use cli::random::Random;
-use cli::recordings::Loads;
+use cli::recordings::{Loads, Wanted};
 use cli::replay::{Job, Output, Summary, Table, replay};
 use spindle_bearing::{Design, FreeContact, Material};
 use spindle_file::designs::{DesignFile, SHIPPED};
@@ -22,14 +21,16 @@ fn shipped(name: &str) -> String {
     format!("{SHIPPED}/{name}.toml")
 }
 
+fn opened(csv: &[u8], wanted: &Wanted) -> Result<Loads, LoadsError> {
+    Loads::from_reader("x", Box::new(Cursor::new(csv.to_vec())), wanted)
+}
+
+fn parsed_bytes(csv: &[u8]) -> Result<Vec<LoadRow>, LoadsError> {
+    opened(csv, &Wanted::default())?.collect()
+}
+
 fn parsed(csv: &str) -> Result<Vec<LoadRow>, LoadsError> {
-    Loads::from_reader(
-        "loads.csv",
-        Box::new(Cursor::new(csv.as_bytes().to_vec())),
-        None,
-        &Wanted::default(),
-    )?
-    .collect()
+    parsed_bytes(csv.as_bytes())
 }
 
 fn shown(precision: Precision, x: f64) -> String {
@@ -89,7 +90,7 @@ fn what_can_be_read_of_a_refused_row_is_kept() {
 }
 
 #[test]
-fn own_recordings_are_read_and_others_refused() {
+fn recordings_are_read() {
     let row = |time_s, load, speed_rpm| LoadRow {
         time_s,
         load,
@@ -113,6 +114,10 @@ fn own_recordings_are_read_and_others_refused() {
         format!("{header}\n.5, -2 ,3000.,4,5,6,7.25\n1,2,+3,4,5,6,\"7\"\n"),
         // Further columns hold anything.
         format!("Sample,{header},T_oil\n#1,0.5,-2,3e3,4,5,6,7.25,\n#2,1,2,3,4,5,6,7,warm\n"),
+        // Semicolons and tabs, as the header has them; the header again; empty fields behind the last.
+        format!("{header};\n0.5;-2;3e3;4;5;6;7.25;;\n1;2;3;4;5;6;7\n").replace(',', ";"),
+        format!("no,{header}\n0,0.5,-2,3e3,4,5,6,7.25\n0,1,2,3,4,5,6,7\n").replace(',', "\t"),
+        format!("{header}\n0.5,-2,3e3,4,5,6,7.25\n{header}\n1,2,3,4,5,6,7\n"),
     ] {
         assert_eq!(parsed(&text).unwrap(), plain, "{text:?}");
     }
@@ -122,24 +127,29 @@ fn own_recordings_are_read_and_others_refused() {
     // Without times, rows are counted.
     let states = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2,3,4,5,6,7\n";
     assert_eq!(parsed(states).unwrap(), [row(0.0, plain[1].load, 7.0)]);
-    for text in [
-        HEADER.replace(',', ";") + "0;1;2;3;4;5;6\n",
-        format!("\n{HEADER}0,1,2,3,4,5,6\n"),
-        format!("# logger\n{HEADER}0,1,2,3,4,5,6\n"),
-        HEADER.to_uppercase() + "0,1,2,3,4,5,6\n",
-        format!("{HEADER}s,N,N,N,Nm,Nm,1/min\n0,1,2,3,4,5,6\n"),
-        format!("{HEADER}\"0,5\",1,2,3,4,5,6\n"),
-        "Timestamp,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2024-01-01 12:00:00,1,2,3,4,5,6\n"
-            .to_owned(),
-        "clock,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n12:00:00,1,2,3,4,5,6\n".to_owned(),
-        "date,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n14-Nov-2025 10:00:00,1,2,3,4,5,6\n".to_owned(),
-        "date,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n11/14/2025,1,2,3,4,5,6\n".to_owned(),
-    ] {
-        let found = parsed(&text);
-        assert!(
-            matches!(found, Err(LoadsError::Foreign { .. })),
-            "{text:?}: {found:?}"
-        );
+}
+
+/// Each column, from text to number: no other one has any.
+#[test]
+fn each_column_has_its_number() {
+    let names = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,time_s,t_inner_c,t_outer_c";
+    let wanted = Wanted {
+        probes: vec!["a".to_owned()],
+        ..Wanted::default()
+    };
+    for (i, name) in names.split(',').chain(["probe_a_um"]).enumerate() {
+        let number = |column: &str| if column == name { "12.5" } else { "0" };
+        let fields: Vec<&str> = names.split(',').chain(["probe_a_um"]).map(number).collect();
+        let text = format!("{names},probe_a_um\n{}\n", fields.join(","));
+        let row = opened(text.as_bytes(), &wanted).unwrap().next().unwrap();
+        let row = row.unwrap();
+        let [inner, outer] = row.temperatures.unwrap();
+        let mut found = row.load.to_vec();
+        found.extend([row.speed_rpm, row.time_s, inner, outer]);
+        found.extend(row.probes[0]);
+        let mut expected = [0.0; 10];
+        expected[i] = 12.5;
+        assert_eq!(found, expected, "{name}");
     }
 }
 
@@ -147,8 +157,7 @@ fn own_recordings_are_read_and_others_refused() {
 fn columns_of_others_are_ignored_and_named() {
     let text = "no,time_s,\"remark; long\",fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,fx_kn,\n\
                 a,1,\"so, so\",2,3,4,5,6,7,,\n";
-    let input = Box::new(Cursor::new(text.as_bytes().to_vec()));
-    let mut loads = Loads::from_reader("loads.csv", input, None, &Wanted::default()).unwrap();
+    let mut loads = opened(text.as_bytes(), &Wanted::default()).unwrap();
     let ignored = "\"no\", \"remark; long\", \"fx_kn\"";
     assert_eq!(loads.ignored_columns().unwrap(), ignored);
     assert!(!loads.has_temperatures());
@@ -160,10 +169,106 @@ fn columns_of_others_are_ignored_and_named() {
 fn bytes_that_are_no_text_are_refused_with_line_and_column() {
     let mut bytes = format!("{HEADER}1,2,3,4,5,6,7\n").into_bytes();
     bytes.extend(b"1,2,\xFF\xFE,4,5,6,7\n");
-    let mut loads =
-        Loads::from_reader("x", Box::new(Cursor::new(bytes)), None, &Wanted::default()).unwrap();
+    let mut loads = opened(&bytes, &Wanted::default()).unwrap();
     let error = loads.find_map(Result::err).unwrap().to_string();
-    assert!(error.starts_with("x: line 3, column 3 (fy_n): "), "{error}");
+    let told =
+        "x: line 3, column 3 (fy_n): byte 5 of the line is no UTF-8 text: save the file as UTF-8";
+    assert!(error.starts_with(told), "{error}");
+    // In any column, and in the header; Windows-1252, a workbook, UTF-16.
+    let mut note = HEADER.trim_end().as_bytes().to_vec();
+    note.extend(b",note\n1,2,3,4,5,6,7,gr\xFCn\n");
+    let error = parsed_bytes(&note).unwrap_err().to_string();
+    assert!(
+        error.starts_with("x: line 2, column 8: byte 17 "),
+        "{error}"
+    );
+    let texts: [(&[u8], &str); 3] = [
+        (b"Dr\xFCcke,fx_n\n", "byte 3"),
+        (b"PK\x03\x04\x14\0", "byte 6"),
+        (b"\xFF\xFEt\0i\0", "byte 1"),
+    ];
+    for (bytes, at) in texts {
+        let error = parsed_bytes(bytes).unwrap_err().to_string();
+        let told = format!("x: line 1, column 1: {at} of the line is no UTF-8 text");
+        assert!(
+            error.starts_with(&told) && error.contains("pandas"),
+            "{error}"
+        );
+    }
+}
+
+/// Bytes flipped, lines cut, doubled and swapped, below the header or in it: every line is read, refused or skipped, or ends it.
+#[test]
+fn no_line_is_lost_without_a_word() {
+    let wanted = Wanted {
+        probes: vec!["a".to_owned()],
+        ..Wanted::default()
+    };
+    for seed in 0..6000 {
+        let mut random = Random::seeded(seed);
+        let separator = [",", ";", "\t"][random.below(3)];
+        let header = format!("{},note,probe_a_um\n", HEADER.trim_end()).replace(',', separator);
+        let rows = "0.5,1.5,-2,\"3\",4,+5,6,,1\n7,6,5,4,3,2,1,\"a\",\n"
+            .replace(',', separator)
+            .repeat(4);
+        let mut bytes = format!("{header}{rows}").into_bytes();
+        let from = if seed % 2 == 0 { 0 } else { header.len() };
+        for _ in 0..1 + random.below(4) {
+            let at = from + random.below(bytes.len() - from);
+            match random.below(5) {
+                0 => bytes[at] ^= 1 << random.below(8),
+                1 => bytes.truncate(at + 1),
+                2 => drop(bytes.remove(at)),
+                3 => {
+                    let end = (at + random.below(30)).min(bytes.len());
+                    let doubled = bytes[at..end].to_vec();
+                    bytes.splice(at..at, doubled);
+                }
+                _ => {
+                    let other = from + random.below(bytes.len() - from);
+                    bytes.swap(at, other);
+                }
+            }
+            if bytes.len() <= from {
+                break;
+            }
+        }
+        let mut loads = match opened(&bytes, &wanted) {
+            Ok(loads) => loads,
+            Err(LoadsError::Malformed(fault)) => {
+                assert!(fault.starts_with("x: line "), "{seed}: {fault}");
+                continue;
+            }
+            Err(error) => panic!("{seed}: {error}"),
+        };
+        let found: Vec<_> = loads.by_ref().collect();
+        if let Some(Err(LoadsError::Malformed(_))) = found.last() {
+            continue;
+        }
+        let counts = loads.counts();
+        let ends = bytes.iter().filter(|byte| **byte == b'\n').count();
+        let lines = ends + usize::from(!bytes.ends_with(b"\n"));
+        assert_eq!(
+            (
+                found.len() as u64,
+                1 + counts.read + counts.refused + counts.skipped
+            ),
+            (counts.read + counts.refused, lines as u64),
+            "{seed}"
+        );
+    }
+}
+
+#[test]
+fn one_record_of_so_many_is_read() {
+    let rows: String = (0..10).map(|i| format!("{i},2,3,4,5,6,7\n")).collect();
+    let every = Wanted {
+        every: 4,
+        ..Wanted::default()
+    };
+    let loads = opened(format!("{HEADER}{rows}").as_bytes(), &every).unwrap();
+    let times: Vec<f64> = loads.map(|row| row.unwrap().time_s).collect();
+    assert_eq!(times, [0.0, 4.0, 8.0]);
 }
 
 /// Summary and results of a replay of a row by the B7005C.

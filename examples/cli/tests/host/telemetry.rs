@@ -1,8 +1,7 @@
 //! Telemetry on the host: nothing undamaged is lost, nothing missing goes unnoticed, and lines of JSON hold all of it.
 
-use cli::import::Wanted;
 use cli::milling_cycle::record_of;
-use cli::recordings;
+use cli::recordings::{self, Wanted};
 use cli::telemetry::decoder::{Decoder, Event, Gap};
 use cli::telemetry::frames::{
     alarm, balls, estimate, frame, health, note, pair, rows, shaft, state_of, stream,
@@ -45,7 +44,7 @@ fn simulated_of(rows: &[LoadRow]) -> Vec<u8> {
 
 /// The recording up to a time, and the monitor's bytes for it.
 pub(super) fn cycle(seconds: f64) -> (Vec<LoadRow>, Vec<u8>) {
-    let rows: Result<Vec<_>, _> = recordings::read(record_of(ROWS), None, &Wanted::default())
+    let rows: Result<Vec<_>, _> = recordings::read(record_of(ROWS), &Wanted::default())
         .unwrap()
         .take_while(|row| row.as_ref().is_ok_and(|row| row.time_s < seconds))
         .collect();

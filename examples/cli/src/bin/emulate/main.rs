@@ -22,7 +22,6 @@ use anyhow::{Result, anyhow};
 use clap::Parser;
 use cli::cross::{self, Build, TARGET};
 use cli::emulator::{self, Firmware};
-use cli::import::Import;
 use cli::milling_cycle::record_of;
 use cli::stream::faults::{self, Spoiler};
 use cli::stream::records;
@@ -67,10 +66,6 @@ struct Arguments {
     /// [default: the project's milling cycle]
     #[arg(value_name = "RECORDING")]
     recording: Option<String>,
-
-    /// How to read a recording of another program, as for `cargo replay`
-    #[arg(long, value_name = "COLUMNS.toml", requires = "recording")]
-    import: Option<PathBuf>,
 
     /// Stop after so much recorded time [default: all of it]
     #[arg(long, value_name = "S", value_parser = positive)]
@@ -118,7 +113,6 @@ fn main() -> ExitCode {
 fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let root = cli::root();
     let spindle = arguments.spindle.as_deref().map(from_root);
-    let import = arguments.import.as_deref().map(Import::read).transpose()?;
     let file = spindle
         .as_deref()
         .unwrap_or("examples/firmware/spindle.toml");
@@ -131,8 +125,7 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let (running, about) = twin.start()?;
     let shipped = || record_of(about.rows).to_owned();
     let path = arguments.recording.clone().unwrap_or_else(shipped);
-    let (import, seconds) = (import.as_ref(), arguments.seconds);
-    let recording = records::read(&path, import, &file.probes, seconds, about.period_us)?;
+    let recording = records::read(&path, &file.probes, arguments.seconds, about.period_us)?;
     cross::add_target(root)?;
     emulator::find()?;
     eprintln!("building the firmware for {TARGET}; the first time takes about a minute");

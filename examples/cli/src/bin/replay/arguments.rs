@@ -4,11 +4,9 @@ use crate::formats::FORMATS;
 use anyhow::{Context, Result, bail, ensure};
 use clap::{ArgMatches, Parser};
 use cli::arguments::by_name;
-use cli::import::Import;
 use cli::lifetime::Lifetime;
-use cli::quantities::{OWN, Quantity};
+use cli::quantities::OWN;
 use cli::replay::Job;
-use cli::units::Unit;
 use spindle_bearing::Limits;
 use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::solvers::{Balls, Choices};
@@ -28,25 +26,18 @@ pub struct Args {
     ///
     /// Examples are in examples/spindle_file/bearings/ and examples/spindle_file/spindles/. A bearing of the catalogue is named in the place of
     /// a file, such as gmn:S6014C.
-    #[arg(value_name = "DESIGN.toml", required_unless_present_any = ["list", "propose"])]
+    #[arg(value_name = "DESIGN.toml", required_unless_present = "list")]
     pub design: Option<PathBuf>,
 
     /// Recorded loads and speed; `-` reads standard input
     ///
     /// An example, a synthetic milling cycle, is examples/cli/records/milling_cycle.csv.
-    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list", "propose", "sensitivity"])]
+    #[arg(value_name = "LOADS.csv", required_unless_present_any = ["table", "list", "sensitivity"])]
     pub loads: Option<PathBuf>,
 
     /// Print the catalogue: bearings that can be named in the place of DESIGN.toml
     #[arg(long)]
     pub list: bool,
-
-    /// Look at a recording of another program, and write a description of its columns
-    ///
-    /// The description goes to standard output; standard error has the first and the last rows as they would be read, and
-    /// all that is open. `-` reads standard input.
-    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["design", "list", "table", "import"])]
-    pub propose: Option<PathBuf>,
 
     /// In place of LOADS.csv, make a table: stiffness at every combination of these speeds and loads
     ///
@@ -80,7 +71,7 @@ pub struct Args {
     /// Lines are changes of the preload of each row (N) and of the displacement at each nose and probe (um). Closing a row presses its
     /// balls harder; rows count from 0. Options such as --fy 100 --speed 12000 give load, speed and temperatures. Without them, the
     /// spindle idles, at rest and cold.
-    #[arg(long, conflicts_with_all = LIMITS_ALONE, conflicts_with_all = ["loads", "limits", "response", "import", "every", "board"])]
+    #[arg(long, conflicts_with_all = LIMITS_ALONE, conflicts_with_all = ["loads", "limits", "response", "every", "board"])]
     pub sensitivity: bool,
 
     /// Board that the monitor runs on
@@ -157,11 +148,15 @@ pub struct Args {
     #[arg(long, value_name = "FREQUENCIES.csv")]
     pub frequencies: Option<PathBuf>,
 
+    /// Solve one record of so many
+    #[arg(long, value_name = "COUNT", default_value_t = 1, conflicts_with = "table", value_parser = clap::value_parser!(u32).range(1..))]
+    pub every: u32,
+
     #[command(flatten)]
     pub response: Probes,
 
     #[command(flatten)]
-    pub recording: Recording,
+    pub state: State,
 }
 
 /// Options without a meaning beside `--limits`, which is as the board solves, and beside `--sensitivity`.
@@ -212,40 +207,17 @@ fn window(text: &str) -> Result<[f64; 2], String> {
     ordered.ok_or_else(|| "give seconds FROM:TO, such as 0:10".to_owned())
 }
 
-/// How the recording is read
-#[derive(Debug, clap::Args)]
-#[command(next_help_heading = "Recording")]
-pub struct Recording {
-    /// Description of the recording's columns, as `--propose` writes it
-    #[arg(long, value_name = "IMPORT.toml", conflicts_with = "table")]
-    pub import: Option<PathBuf>,
-
-    /// Solve one record of so many
-    #[arg(long, value_name = "COUNT", default_value_t = 1, conflicts_with = "table", value_parser = clap::value_parser!(u32).range(1..))]
-    pub every: u32,
-
-    #[command(flatten)]
-    pub given: Given,
-}
-
-/// Quantities that are constant, in the bearing's frame: an option for each.
+/// State of `--sensitivity` in the order of [`OWN`]: an option for each of its loads, the speed and the temperatures.
 #[derive(Debug)]
-pub struct Given(pub [Option<f64>; OWN.len()]);
+pub struct State(pub [Option<f64>; OWN.len()]);
 
-impl Given {
-    /// The quantities that have an option of their name.
-    fn all() -> impl Iterator<Item = (usize, Quantity)> {
-        OWN.into_iter().enumerate().skip(1)
-    }
-}
-
-impl clap::FromArgMatches for Given {
+impl clap::FromArgMatches for State {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut given = [None; OWN.len()];
-        for (i, quantity) in Self::all() {
-            given[i] = matches.get_one(quantity.name()).copied();
+        let mut state = [None; OWN.len()];
+        for (value, own) in state.iter_mut().zip(OWN).skip(1) {
+            *value = matches.get_one(own.name).copied();
         }
-        Ok(Self(given))
+        Ok(Self(state))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -254,18 +226,16 @@ impl clap::FromArgMatches for Given {
     }
 }
 
-impl clap::Args for Given {
+impl clap::Args for State {
     fn augment_args(command: clap::Command) -> clap::Command {
-        command.args(Self::all().map(|(_, quantity)| {
-            let (name, unit) = (quantity.name(), Unit::of(quantity.dimension()).name());
-            let arg = clap::Arg::new(name)
-                .long(name)
-                .value_name(unit)
-                .conflicts_with("table");
-            let arg = arg
-                .value_parser(clap::value_parser!(f64))
-                .allow_negative_numbers(true);
-            arg.help(format!("{name} in {unit}, where it is constant"))
+        command.args(OWN.iter().skip(1).map(|own| {
+            let arg = clap::Arg::new(own.name).long(own.name).value_name(own.unit);
+            arg.value_parser(clap::value_parser!(f64))
+                .allow_negative_numbers(true)
+                .requires("sensitivity")
+                .conflicts_with_all(["loads", "table"])
+                .help_heading("State of --sensitivity")
+                .help(format!("{} in {}", own.name, own.unit))
         }))
     }
 
@@ -449,12 +419,5 @@ impl Args {
             );
         }
         Ok(held)
-    }
-}
-
-impl Recording {
-    pub fn import(&self) -> Result<Option<Import>> {
-        let read = self.import.as_deref().map(Import::read);
-        Ok(read.transpose()?)
     }
 }

@@ -49,16 +49,12 @@ DESIGN.toml of either kind may say where recorded loads act, and what acts besid
 
 LOADS.csv has the columns
   time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm
-in any order, names on the first line, fields separated by commas, decimals by points; for a spindle with [heat]
-t_inner_c,t_outer_c as well; for --response probe_NAME_um of each [[probe]]. Other columns are ignored, and named once on standard error. Without time_s, rows are
-counted. A constant such as --my 0 takes the place of a column.
-
-A recording of any other program needs a description of its columns:
-  cargo replay --propose slot.txt > slot.toml
-  cargo replay DESIGN.toml slot.txt --import slot.toml
-The description has a \"?\" for all that the file leaves open: write there what the recording has. docs/host.md has all keys. A
-row that cannot be read to the letter is refused, and so are rows below the header of another file. A line on standard
-error counts rows that were read or refused, and lines that were skipped, with the range of each quantity.
+in any order, names on the first line, fields separated by commas, semicolons or tabs, decimals by points, text in UTF-8;
+for a spindle with [heat] t_inner_c,t_outer_c as well; for --response and --limits probe_NAME_um of each [[probe]]. Other
+columns are ignored, and named once on standard error. Without time_s, rows are counted. Any other file is refused, with the
+lines of Python that make a recording of it; a column in another unit, such as fx_kn, with the unit that is due.
+A row that cannot be read to the letter is refused. A line on standard error counts rows that were read or refused, and lines
+that were skipped, with the range of each quantity.
 
 A table, in place of LOADS.csv:
   cargo replay DESIGN.toml --table speed=0:20000:500 fx=500 fy=0:1000:250 >TABLE.csv
@@ -71,7 +67,7 @@ Results, one row for each row of LOADS.csv, SI units:
                   anything else means that this row has no answer, and its figures are empty:
                   unseated (the speed drives a ball out of its groove), iteration-limit (ran out
                   of iterations), refused-input (a field of LOADS.csv is empty or no number, the line has
-                  too few or too many fields, or stands in another file) and so on
+                  too few or too many fields) and so on
   iterations      passes over all balls that the solve took
   dx_m .. tz_rad  displacement of the inner ring, or of the shaft at x = 0
   k_x_x .. k_tz_tz  stiffness, 25 columns: k_y_tz is the change of Fy with the tilt tz

@@ -2,13 +2,12 @@
 
 use crate::arguments::Args;
 use crate::table::Axes;
-use anyhow::{Result, anyhow, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use cli::fault::LoadsError;
-use cli::import::Wanted;
-use cli::quantities::{LOADS, OWN};
-use cli::recordings;
+use cli::quantities::LOADS;
+use cli::recordings::{self, Wanted};
 use indicatif::{ProgressBar, ProgressFinish, ProgressIterator, ProgressStyle};
-use spindle_file::loads::{LoadRow, celsius};
+use spindle_file::loads::LoadRow;
 use spindle_file::spindles::SpindleFile;
 use std::sync::{Arc, Mutex};
 
@@ -28,21 +27,14 @@ impl Args {
         Ok(file)
     }
 
-    /// Quantities that the options leave to the recording, with temperatures if the spindle has `heat`.
+    /// Quantities of the recording, with temperatures if the spindle has `heat`.
     pub fn wanted(&self, heat: bool) -> Result<Wanted> {
         let mut wanted = Wanted {
-            given: self.recording.given.0,
-            every: self.recording.every as usize,
+            every: self.every as usize,
             shares_times: self.summary.is_some() || self.limits || self.response.response.is_some(),
             ..Wanted::default()
         };
-        for (i, quantity) in OWN.into_iter().enumerate().skip(LOADS) {
-            wanted.needed[i] = heat;
-            if let Some(value) = wanted.given[i] {
-                ensure!(heat, "--{} is for spindles with [heat]", quantity.name());
-                celsius(value).map_err(|error| anyhow!("--{}: {error}", quantity.name()))?;
-            }
-        }
+        wanted.needed[LOADS..].fill(heat);
         // A displacement that is given takes the place of the load of its freedom.
         for (needed, held) in wanted.needed[1..].iter_mut().zip(self.held()?) {
             *needed &= held.is_none();
@@ -62,11 +54,11 @@ impl Args {
             let bar = progress_bar(Some(rows.len() as u64), "{pos} of {len} rows");
             return Ok((Box::new(rows.progress_with(bar).map(Ok)), None));
         };
-        let (import, mut wanted) = (self.recording.import()?, self.wanted(reference.is_some())?);
+        let mut wanted = self.wanted(reference.is_some())?;
         if self.limits {
             wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
         }
-        let loads = recordings::read(path, import.as_ref(), &wanted)?;
+        let loads = recordings::read(path, &wanted)?;
         for (probe, has) in file.probes.iter().zip(loads.has_probes()) {
             if !has {
                 let (file, name) = (loads.file(), &probe.name);
@@ -78,7 +70,7 @@ impl Args {
         if let Some(ignored) = ignored {
             eprintln!("replay: {file}: columns ignored: {ignored}");
         }
-        if reference.is_none() && import.is_none() && loads.has_temperatures() {
+        if reference.is_none() && loads.has_temperatures() {
             bail!(
                 "{file}: t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
                  reference_c, or remove these columns"

@@ -14,7 +14,6 @@ use anyhow::Result;
 use arguments::Args;
 use clap::Parser;
 use cli::lifetime::Lifetime;
-use cli::propose;
 use cli::replay::{ReplayError, Summary, replay};
 use spindle_file::catalogue;
 use spindle_file::solvers::with_solver;
@@ -27,19 +26,6 @@ fn main() -> ExitCode {
         // Nobody reads a message about standard output that is closed.
         let _ = io::stdout().write_all(catalogue::list().as_bytes());
         return ExitCode::SUCCESS;
-    }
-    if let Some(path) = &args.propose {
-        return match propose::propose(path) {
-            Ok(proposal) => {
-                eprint!("{}", proposal.report);
-                let _ = io::stdout().write_all(proposal.description.as_bytes());
-                ExitCode::SUCCESS
-            }
-            Err(error) => {
-                eprintln!("replay: {error}");
-                ExitCode::from(2)
-            }
-        };
     }
     exit::status(
         match (&args.response.response, args.limits, args.sensitivity) {

@@ -14,7 +14,6 @@ impl Args {
     pub fn files(&self, file: &SpindleFile) -> Result<Vec<(Table, NewFile)>> {
         let mut taken: Vec<PathBuf> = (self.loads.iter().map(PathBuf::as_path))
             .chain([self.design()])
-            .chain(self.recording.import.as_deref())
             .chain(file.files())
             .filter_map(|input| place(input).ok())
             .collect();

@@ -94,9 +94,7 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile, path: &Path) -> Resul
 fn open(args: &Args, file: &SpindleFile, path: &Path) -> Result<Loads> {
     let out = place(path).map_err(|error| unwritable(path, &error))?;
     let loads = args.loads.as_deref().unwrap_or(Path::new(""));
-    let import = args.recording.import.as_deref();
-    let inputs = [loads, args.design()].into_iter().chain(import);
-    for input in inputs.chain(file.files()) {
+    for input in [loads, args.design()].into_iter().chain(file.files()) {
         if place(input).is_ok_and(|input| input == out) {
             bail!(
                 "--response would overwrite its own input {}; name another file",
@@ -106,12 +104,11 @@ fn open(args: &Args, file: &SpindleFile, path: &Path) -> Result<Loads> {
     }
     let mut wanted = args.wanted(file.heat.is_some())?;
     wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
-    let import = args.recording.import()?;
-    let loads = recordings::read(loads, import.as_ref(), &wanted)?;
+    let loads = recordings::read(loads, &wanted)?;
     let has: Vec<bool> = loads.has_probes().collect();
     ensure!(
         has.contains(&true),
-        "{}: there is no column probe_{}_um; add one for each [[probe]], or describe it with --import",
+        "{}: there is no column probe_{}_um; add one for each [[probe]]",
         loads.file(),
         file.probes[0].name
     );

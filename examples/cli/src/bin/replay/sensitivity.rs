@@ -1,10 +1,11 @@
 //! `cargo replay --sensitivity`: what a micrometre of spacer, a newton of spring and a kelvin do to a spindle.
 
 use crate::arguments::Args;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, ensure};
+use cli::quantities::{LOADS, OWN};
 use cli::replay::{ReplayError, Summary, Table};
 use spindle_bearing::{RacewayControlFree, Settings, Speed, SpindleChange, SpindleSolution};
-use spindle_file::loads::LoadRow;
+use spindle_file::loads::{LoadRow, celsius};
 use spindle_file::mounting::{DynSolver, DynSpindle, MOST_JOINTS, Parts, closed, growths};
 use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS, Question};
 use spindle_file::reading::short;
@@ -21,18 +22,28 @@ const STEP: f64 = 0.1;
 const ROUNDING: f64 = 1e-9;
 
 /// The load, speed and temperatures of the options; idling, at rest and cold without them.
-fn state(args: &Args, file: &SpindleFile) -> LoadRow {
-    let [_, loads @ .., speed, inner, outer] = args.recording.given.0;
+fn state(args: &Args, file: &SpindleFile) -> Result<LoadRow> {
+    let [_, loads @ .., speed, inner, outer] = args.state.0;
+    for (value, own) in args.state.0.into_iter().zip(OWN).skip(LOADS) {
+        if let Some(value) = value {
+            ensure!(
+                file.heat.is_some(),
+                "--{} is for spindles with [heat]",
+                own.name
+            );
+            celsius(value).map_err(|error| anyhow!("--{}: {error}", own.name))?;
+        }
+    }
     let idle = file.sensors.idle;
     let reference = file.heat.map(|heat| heat.reference);
     let temperatures = reference.map(|cold| [inner.unwrap_or(cold), outer.unwrap_or(cold)]);
-    LoadRow {
+    Ok(LoadRow {
         time_s: 0.0,
         load: std::array::from_fn(|i| loads[i].unwrap_or(idle[i].into())),
         speed_rpm: speed.unwrap_or(0.0),
         temperatures,
         probes: [None; 4],
-    }
+    })
 }
 
 fn solve<'s>(
@@ -48,12 +59,11 @@ fn solve<'s>(
 /// Writes the table to standard output.
 pub fn run(args: &Args) -> Result<Summary> {
     let file = args.file()?;
-    args.wanted(file.heat.is_some())?;
     let explained = |error: BuildError| file.explain(&error);
     let plan = closed(&file.plan).map_err(explained)?;
     let parts = Parts::<f64>::of(&plan).map_err(explained)?;
     let spindle = parts.spindle(&plan).map_err(explained)?;
-    let row = state(args, &file);
+    let row = state(args, &file)?;
     let mut places: Vec<_> = file
         .noses
         .iter()
