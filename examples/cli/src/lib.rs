@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | [`recordings`], [`quantities`], [`fault`], [`times`] | recorded loads, row by row |
 //! | [`milling_cycle`], [`warm_up`], [`truth`], [`random`] | synthetic recordings |
-//! | [`replay`], [`lifetime`] | recorded loads through the solver |
+//! | [`replay`], [`options`], [`lifetime`], [`sensitivity`] | recorded loads through the solver |
+//! | [`limits`], [`response`] | recorded loads through the board's monitor |
 //! | [`board`] | the board's monitor of any spindle on this machine |
 //! | [`telemetry`] | the monitor's telemetry: decoded, simulated, viewed |
 //! | [`stream`] | recordings as a board receives them, with and without faults |
@@ -22,14 +23,18 @@ pub mod drawing;
 pub mod emulator;
 pub mod fault;
 pub mod lifetime;
+pub mod limits;
 mod lines;
 pub mod milling_cycle;
+pub mod options;
 #[cfg(feature = "programs")]
 pub mod output;
 pub mod quantities;
 pub mod random;
 pub mod recordings;
 pub mod replay;
+pub mod response;
+pub mod sensitivity;
 pub mod stream;
 pub mod telemetry;
 pub mod times;

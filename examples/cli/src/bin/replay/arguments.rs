@@ -1,15 +1,14 @@
 //! Arguments of `cargo replay`.
 
 use crate::formats::FORMATS;
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, ensure};
 use clap::{ArgMatches, Parser};
 use cli::arguments::by_name;
-use cli::lifetime::Lifetime;
+use cli::options::{ATTITUDES, BOARDS, MOTIONS, Motion, Options, PAUSES, PRECISIONS, Pauses};
 use cli::quantities::OWN;
-use cli::replay::Job;
+use cli::sensitivity;
 use spindle_bearing::Limits;
 use spindle_file::dispatch::{Attitude, Precision};
-use spindle_file::solvers::{Balls, Choices};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::tick::Core;
 use std::path::{Path, PathBuf};
@@ -209,7 +208,7 @@ fn window(text: &str) -> Result<[f64; 2], String> {
 
 /// State of `--sensitivity` in the order of [`OWN`]: an option for each of its loads, the speed and the temperatures.
 #[derive(Debug)]
-pub struct State(pub [Option<f64>; OWN.len()]);
+pub struct State(pub sensitivity::State);
 
 impl clap::FromArgMatches for State {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
@@ -244,77 +243,6 @@ impl clap::Args for State {
     }
 }
 
-/// Boards by name.
-const BOARDS: [(&str, &str, Core); 2] = [
-    ("f405", "STM32F405", Core::STM32F405),
-    ("h743", "STM32H743", Core::STM32H743),
-];
-
-const PRECISIONS: [(&str, &str, Precision); 2] = [
-    (
-        "f32",
-        "Single precision, as the firmware computes",
-        Precision::F32,
-    ),
-    ("f64", "Double precision", Precision::F64),
-];
-
-const ATTITUDES: [(&str, &str, Attitude); 3] = [
-    (
-        "raceless",
-        "Raceway-control-free: from d'Alembert's principle, which does not assume race control",
-        Attitude::Raceless,
-    ),
-    (
-        "outer",
-        "Outer race control: no spin at the outer race",
-        Attitude::Outer,
-    ),
-    (
-        "inner",
-        "Inner race control: no spin at the inner race; not for loads that lift balls off it",
-        Attitude::Inner,
-    ),
-];
-
-/// How the balls move, but for the rule of their attitude.
-const MOTIONS: [(&str, &str, Motion); 3] = [
-    (
-        "static",
-        "At rest: the speed counts for life and frequencies alone",
-        Motion::Static,
-    ),
-    (
-        "centrifugal",
-        "Under centrifugal force alone",
-        Motion::Centrifugal,
-    ),
-    ("full", "With all inertia loads", Motion::Full),
-];
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Motion {
-    Static,
-    Centrifugal,
-    Full,
-}
-
-/// How long a record counts before a pause.
-const PAUSES: [(&str, &str, Pauses); 2] = [
-    ("end", "Count for one usual step", Pauses::End),
-    (
-        "hold",
-        "Count until the next record: a list of held states",
-        Pauses::Hold,
-    ),
-];
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Pauses {
-    End,
-    Hold,
-}
-
 /// How the summary is written.
 const FORMS: [(&str, &str, Form); 2] = [
     ("text", "To read", Form::Text),
@@ -333,8 +261,24 @@ impl Args {
         self.design.as_deref().unwrap_or(Path::new(""))
     }
 
-    /// How the balls move, and displacements that are given: of options that fit each other and the file.
-    pub fn checked(&self, file: &SpindleFile) -> Result<(Balls, [Option<f64>; 5])> {
+    /// How the recording is solved.
+    pub fn options(&self) -> Options {
+        Options {
+            precision: self.precision,
+            attitude: self.attitude,
+            motion: self.motion,
+            freedoms: self.freedoms,
+            given: self.given.clone(),
+            tolerance: self.tolerance,
+            cold: self.cold,
+            peak_pressure: self.peak_pressure,
+            friction: self.friction,
+            pauses: self.pauses,
+        }
+    }
+
+    /// Looks whether the file has what the outputs are of.
+    pub fn check_outputs(&self, file: &SpindleFile) -> Result<()> {
         ensure!(
             self.rows.is_none() || !file.is_bearing,
             "--rows is for spindles, and {} is one bearing: it has no [[row]]",
@@ -345,79 +289,6 @@ impl Args {
             "--nose: {} has no [nose]; add one with position_mm",
             self.design().display()
         );
-        let balls = match self.motion {
-            Motion::Full => self.attitude.into(),
-            _ if self.attitude != Attitude::Raceless => bail!(
-                "--attitude makes no difference without gyroscopic moments; leave out it or --motion"
-            ),
-            Motion::Static => Balls::Static,
-            Motion::Centrifugal => Balls::Centrifugal,
-        };
-        if let Some(tolerance) = self.tolerance {
-            ensure!(
-                tolerance > 0.0 && tolerance < 1.0,
-                "--tolerance {tolerance}: it is 0 to 1"
-            );
-        }
-        let held = self.held()?;
-        ensure!(
-            held == [None; 5] || file.plan.loaded_at() == 0.0,
-            "--given and --freedoms 3 hold an elastic shaft at x = 0 where its loads act there; set [load] position_mm = 0, or \
-             leave the option out"
-        );
-        Ok((balls, held))
-    }
-
-    /// The job that the options describe.
-    pub fn job<'j>(
-        &self,
-        file: &'j SpindleFile,
-        held: [Option<f64>; 5],
-        lifetime: Option<&'j mut Lifetime>,
-    ) -> Job<'j> {
-        Job {
-            file,
-            precision: self.precision,
-            cold: self.cold,
-            at_rest: self.motion == Motion::Static,
-            select: self.select.clone(),
-            choices: Choices {
-                limits: Limits {
-                    peak_pressure: self.peak_pressure * 1e6,
-                    friction: self.friction,
-                },
-                tolerance: self.tolerance,
-                ..Choices::default()
-            },
-            held,
-            holds_pauses: self.pauses == Pauses::Hold,
-            lifetime,
-        }
-    }
-
-    /// Displacements that are given.
-    pub fn held(&self) -> Result<[Option<f64>; 5]> {
-        ensure!(self.freedoms != 4, "--freedoms 4: they are 3 or 5");
-        let mut held = [None; 5];
-        if self.freedoms == 3 {
-            (held[3], held[4]) = (Some(0.0), Some(0.0));
-        }
-        for text in &self.given {
-            let pair = text.split_once('=').and_then(|(name, value)| {
-                let names = ["dx", "dy", "dz", "ty", "tz"];
-                let freedom = names.iter().position(|one| *one == name.trim())?;
-                Some((freedom, value.trim().parse().ok()?))
-            });
-            let (freedom, value) = pair.with_context(|| {
-                format!(
-                    "--given {text}: give dx, dy, dz (m), ty or tz (rad) a number, such as tz=0"
-                )
-            })?;
-            ensure!(
-                held[freedom].replace(value).is_none(),
-                "--given {text}: it is held already, by --given or --freedoms 3"
-            );
-        }
-        Ok(held)
+        Ok(())
     }
 }

@@ -36,7 +36,7 @@ impl Args {
         };
         wanted.needed[LOADS..].fill(heat);
         // A displacement that is given takes the place of the load of its freedom.
-        for (needed, held) in wanted.needed[1..].iter_mut().zip(self.held()?) {
+        for (needed, held) in wanted.needed[1..].iter_mut().zip(self.options().held()?) {
             *needed &= held.is_none();
         }
         Ok(wanted)
@@ -55,7 +55,7 @@ impl Args {
             return Ok((Box::new(rows.progress_with(bar).map(Ok)), None));
         };
         let mut wanted = self.wanted(reference.is_some())?;
-        if self.limits {
+        if self.limits || self.response.response.is_some() {
             wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
         }
         let loads = recordings::read(path, &wanted)?;
@@ -70,7 +70,9 @@ impl Args {
         if let Some(ignored) = ignored {
             eprintln!("replay: {file}: columns ignored: {ignored}");
         }
-        if reference.is_none() && loads.has_temperatures() {
+        // `--response` leaves temperatures out of account that its spindle does not take.
+        let is_followed = self.response.response.is_some();
+        if reference.is_none() && loads.has_temperatures() && !is_followed {
             bail!(
                 "{file}: t_inner_c and t_outer_c are for spindles with [heat]: add that to the spindle with \
                  reference_c, or remove these columns"

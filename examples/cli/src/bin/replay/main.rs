@@ -4,17 +4,16 @@ mod arguments;
 mod exit;
 mod formats;
 mod input;
-mod limits;
+mod monitor;
 mod output;
-mod response;
-mod sensitivity;
 mod table;
 
 use anyhow::Result;
 use arguments::Args;
 use clap::Parser;
 use cli::lifetime::Lifetime;
-use cli::replay::{ReplayError, Summary, replay};
+use cli::replay::{ReplayError, Summary, Table, replay};
+use cli::sensitivity::sensitivity;
 use spindle_file::catalogue;
 use spindle_file::solvers::with_solver;
 use std::io::{self, Write};
@@ -29,9 +28,9 @@ fn main() -> ExitCode {
     }
     exit::status(
         match (&args.response.response, args.limits, args.sensitivity) {
-            (Some(path), ..) => response::run(&args, path),
-            (_, true, _) => limits::run(&args),
-            (_, _, true) => sensitivity::run(&args),
+            (Some(path), ..) => monitor::response(&args, path),
+            (_, true, _) => monitor::limits(&args),
+            (_, _, true) => changes(&args),
             _ => run(&args),
         },
     )
@@ -39,12 +38,14 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<Summary> {
     let file = args.file()?;
-    let (balls, held) = args.checked(&file)?;
+    args.check_outputs(&file)?;
+    let options = args.options();
+    let (balls, held) = options.checked(&file)?;
     let mut lifetime = args.summary.map(|_| Lifetime::default());
-    let solved = with_solver(&file.plan, balls, args.precision, |solver| {
+    let solved = with_solver(&file.plan, balls, options.precision, |solver| {
         let (rows, recording) = args.input(&file)?;
         let mut files = args.files(&file)?;
-        let job = args.job(&file, held, lifetime.as_mut());
+        let job = options.job(&file, held, args.select.clone(), lifetime.as_mut());
         let replayed = replay(job, solver, rows, args.outputs(&mut files));
         // Nobody reads on where an output has failed.
         let is_out = matches!(replayed, Err(ReplayError::Output(..)));
@@ -60,4 +61,12 @@ fn run(args: &Args) -> Result<Summary> {
         output::summarise(lifetime, form)?;
     }
     Ok(summary)
+}
+
+/// Writes the table of changes to standard output.
+fn changes(args: &Args) -> Result<Summary> {
+    let text = sensitivity(&args.file()?, args.state.0)?;
+    let written = io::stdout().write_all(text.as_bytes());
+    written.map_err(|error| ReplayError::Output(Table::Results, error))?;
+    Ok(Summary::default())
 }

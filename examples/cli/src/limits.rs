@@ -1,11 +1,12 @@
-//! `cargo replay --limits`: alarms that the board's monitor would raise over a recording, in its order, and ratios at the probes.
+//! Alarms that the board's monitor would raise over a recording, in its order, and ratios at the probes.
 
-use crate::arguments::Args;
-use anyhow::{Context, Result, anyhow, ensure};
-use cli::board::monitor_of;
-use cli::replay::{ReplayError, Summary, Table};
-use cli::stream::per_tick::PerTick;
-use cli::stream::{ROOM, TEMPERATURES};
+use crate::board::monitor_of;
+use crate::fault::LoadsError;
+use crate::replay::{ReplayError, Table};
+use crate::stream::per_tick::PerTick;
+use crate::stream::{ROOM, TEMPERATURES};
+use anyhow::{Result, anyhow, ensure};
+use spindle_file::loads::LoadRow;
 use spindle_file::monitors::level;
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::alarms::Threshold;
@@ -13,20 +14,49 @@ use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
 use spindle_monitor::telemetry::{FrameReader, Payload, ProbesReport};
-use spindle_monitor::tick::{NoCycles, NoWatchdog};
+use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
 use spindle_monitor::{Alarm, Marks, Readings};
 use std::array::from_fn;
-use std::io::{self, Write};
+use std::io::Write;
 
-/// Runs the monitor over the recording, and writes the alarms to standard output.
-pub fn run(args: &Args) -> Result<Summary> {
-    let file = args.file()?;
-    match file.probes.len() {
-        0 => follow::<0>(args, &file),
-        1 => follow::<1>(args, &file),
-        2 => follow::<2>(args, &file),
-        3 => follow::<3>(args, &file),
-        _ => follow::<4>(args, &file),
+/// What the monitor of a board is asked.
+#[derive(Debug)]
+pub struct Watch<'w> {
+    /// The spindle.
+    pub file: &'w SpindleFile,
+    /// The board's core.
+    pub board: Core,
+    /// Learn from the first time on, and end commissioning at the second one at the earliest, s.
+    pub commission: Option<[f64; 2]>,
+    /// The recording, as messages call it.
+    pub recording: &'w str,
+}
+
+/// What the monitor has seen besides its alarms, in a line each.
+#[derive(Debug)]
+pub struct Seen {
+    /// How the recording was brought to the rate of ticks.
+    pub ticks: Option<String>,
+    /// Ticks with doubts.
+    pub doubts: Option<String>,
+}
+
+/// Runs the monitor over the recording, and writes the alarms as CSV.
+///
+/// # Errors
+///
+/// A spindle without such a monitor, a recording that it cannot follow, an output that fails.
+pub fn limits(
+    watch: &Watch<'_>,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+    out: &mut impl Write,
+) -> Result<Seen> {
+    match watch.file.probes.len() {
+        0 => follow::<0>(watch, rows, out),
+        1 => follow::<1>(watch, rows, out),
+        2 => follow::<2>(watch, rows, out),
+        3 => follow::<3>(watch, rows, out),
+        _ => follow::<4>(watch, rows, out),
     }
 }
 
@@ -51,32 +81,33 @@ fn estimates(file: &SpindleFile, report: &ProbesReport) -> Vec<String> {
     [spindle].into_iter().chain(probes).collect()
 }
 
-fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
-    let settings = file.settings(&args.board);
-    let mut monitor = monitor_of::<P>(file, Some(args.board), settings)?;
+fn follow<const P: usize>(
+    watch: &Watch<'_>,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+    out: &mut impl Write,
+) -> Result<Seen> {
+    let (file, name) = (watch.file, watch.recording);
+    let settings = file.settings(&watch.board);
+    let mut monitor = monitor_of::<P>(file, Some(watch.board), settings)?;
     let period_us = settings.tick.period_us;
-    let (rows, recording) = args.input(file)?;
-    let recording = recording.context("--limits needs a recording")?;
-    let name = || recording.lock().expect("a reader").file().to_owned();
     let mut ticks = PerTick::new(rows, period_us);
     let (mut source, mut frames) = (FramedLoads::new(), FrameReader::new());
     let mut told = Vec::<String>::new();
-    let mut commission = args.response.commission;
+    let mut commission = watch.commission;
     if commission.is_some() {
         monitor.learn(u64::MAX);
     }
     ensure!(
         commission.is_none() || P > 0,
         "--commission is for probes, and {} has no [[probe]]",
-        args.design().display()
+        file.name
     );
     let mut standing = EnumSet::<Alarm>::new();
     let mut doubts = [0_u64; Marks::variant_count() as usize];
     let output = |error| ReplayError::Output(Table::Results, error);
-    let mut out = io::BufWriter::new(io::stdout());
     writeln!(out, "time_s,alarm,event,value,limit,unit").map_err(output)?;
     while let Some(tick) = ticks.next() {
-        let tick = tick.map_err(|error| anyhow!("{}: {error}", name()))?;
+        let tick = tick.map_err(|error| anyhow!("{name}: {error}"))?;
         let number = tick.record.sequence;
         let time_us = u64::from(number) * u64::from(period_us);
         source.take(Ok(tick.record));
@@ -134,18 +165,6 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
         commission.is_none(),
         "the recording ends before --commission begins"
     );
-    let recording = recording.lock().expect("a reader");
-    for line in recording.account().lines() {
-        eprintln!("replay: {line}");
-    }
-    ensure!(
-        recording.counts().read > 0,
-        "{}: there is no row to read",
-        recording.file()
-    );
-    if let Some(line) = ticks.account() {
-        eprintln!("replay: {}: {line}", recording.file());
-    }
     let doubts = Marks::all()
         .iter()
         .zip(doubts)
@@ -153,8 +172,7 @@ fn follow<const P: usize>(args: &Args, file: &SpindleFile) -> Result<Summary> {
     let doubts: Vec<_> = doubts
         .map(|(mark, ticks)| format!("{} {ticks}", mark.name()))
         .collect();
-    if !doubts.is_empty() {
-        eprintln!("replay: ticks with doubts: {}", doubts.join(", "));
-    }
-    Ok(Summary::default())
+    let doubts = (!doubts.is_empty()).then(|| format!("ticks with doubts: {}", doubts.join(", ")));
+    let ticks = ticks.account();
+    Ok(Seen { ticks, doubts })
 }

@@ -1,15 +1,11 @@
-//! `cargo replay --response`: the board's monitor over a recording, and second by second what it says of preload and probes.
+//! The board's monitor over a recording, and second by second what it says of preload and probes.
 
-use crate::arguments::Args;
-use crate::input::progress_bar;
-use crate::output::unwritable;
+use crate::board::{DynMonitor, monitor_of};
+use crate::fault::LoadsError;
+use crate::limits::Watch;
+use crate::replay::{REFUSED_INPUT, Summary};
+use crate::telemetry::findings;
 use anyhow::{Result, bail, ensure};
-use cli::board::{DynMonitor, monitor_of};
-use cli::fault::LoadsError;
-use cli::output::{NewFile, place};
-use cli::recordings::{self, Loads};
-use cli::replay::{REFUSED_INPUT, Summary};
-use cli::telemetry::findings;
 use spindle_file::loads::LoadRow;
 use spindle_file::reading::short;
 use spindle_file::spindles::SpindleFile;
@@ -17,11 +13,9 @@ use spindle_monitor::estimator::Constants;
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::revolutions::is_aliased;
 use spindle_monitor::telemetry::ProbesReport;
-use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
+use spindle_monitor::tick::{NoCycles, NoWatchdog};
 use spindle_monitor::{Marks, Readings};
 use std::array::from_fn;
-use std::io::Write;
-use std::path::Path;
 
 /// Rows from whose times the step of a recording is taken.
 const FIRST: usize = 10_000;
@@ -30,109 +24,76 @@ const STEPS: [f64; 2] = [1e-4, 1.0];
 /// Usual rates of loggers within a decade.
 const RATES: [f32; 10] = [1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0];
 
-/// Runs the monitor over the recording.
+/// Runs the monitor over the recording. Lines of the table are written, and findings told.
 ///
 /// # Errors
 ///
-/// No probes, no columns of them, a recording that cannot be read, a file that cannot be written, a window outside of the recording.
-pub fn run(args: &Args, path: &Path) -> Result<Summary> {
-    let file = args.file()?;
-    match file.probes.len() {
+/// No probes, a recording that cannot be read or has no row, a window outside of it, an output that fails.
+pub fn response(
+    watch: &Watch<'_>,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+    write: impl FnMut(&str) -> Result<()>,
+    tell: impl FnMut(&str),
+) -> Result<Summary> {
+    match watch.file.probes.len() {
         0 => bail!(
             "--response: {} has no [[probe]]; add one with name, position_mm and direction",
-            args.design().display()
+            watch.file.name
         ),
-        1 => follow::<1>(args, &file, path),
-        2 => follow::<2>(args, &file, path),
-        3 => follow::<3>(args, &file, path),
-        _ => follow::<4>(args, &file, path),
+        1 => follow::<1>(watch, rows, write, tell),
+        2 => follow::<2>(watch, rows, write, tell),
+        3 => follow::<3>(watch, rows, write, tell),
+        _ => follow::<4>(watch, rows, write, tell),
     }
 }
 
-fn follow<const P: usize>(args: &Args, file: &SpindleFile, path: &Path) -> Result<Summary> {
-    let mut loads = open(args, file, path)?;
-    let mut out = NewFile::create(path).map_err(|error| unwritable(path, &error))?;
-    let bar = progress_bar(loads.total_bytes(), "{bytes} of {total_bytes}");
-    let (mut summary, mut first) = (Summary::default(), Vec::new());
+fn follow<const P: usize>(
+    watch: &Watch<'_>,
+    rows: impl Iterator<Item = Result<LoadRow, LoadsError>>,
+    mut write: impl FnMut(&str) -> Result<()>,
+    mut tell: impl FnMut(&str),
+) -> Result<Summary> {
+    let mut summary = Summary::default();
+    let mut rows = rows.fuse();
+    let mut next = |summary: &mut Summary| loop {
+        let row = rows.next();
+        summary.rows += u64::from(row.is_some());
+        match row {
+            None => return Ok(None),
+            Some(Ok(row)) => return Ok(Some(row)),
+            Some(Err(LoadsError::Row(bad))) => {
+                summary.first_fault.get_or_insert(bad.fault);
+                *summary.refused.entry(REFUSED_INPUT).or_default() += 1;
+            }
+            Some(Err(fault)) => return Err(fault),
+        }
+    };
+    let mut first = Vec::new();
     while first.len() < FIRST
-        && let Some(row) = next(&mut loads, &mut summary)?
+        && let Some(row) = next(&mut summary)?
     {
-        first.extend(row);
+        first.push(row);
     }
-    let mut history = History::<P>::new(args, file, &first)?;
+    let mut history = History::<P>::new(watch, &first)?;
     let mut text = history.header();
     for row in first {
-        history.take(&row, &mut summary, &mut text);
+        history.take(&row, &mut summary, &mut text, &mut tell);
     }
-    while let Some(row) = next(&mut loads, &mut summary)? {
-        if let Some(row) = row {
-            history.take(&row, &mut summary, &mut text);
-        }
+    while let Some(row) = next(&mut summary)? {
+        history.take(&row, &mut summary, &mut text, &mut tell);
         if text.len() > 1 << 16 {
-            out.write_all(text.as_bytes())
-                .map_err(|error| unwritable(path, &error))?;
+            write(&text)?;
             text.clear();
-            bar.set_position(loads.bytes_read());
         }
-    }
-    for line in loads.account().lines() {
-        eprintln!("replay: {line}");
     }
     ensure!(
         summary.rows > 0,
         "{}: there is no row below the header",
-        loads.file()
+        watch.recording
     );
-    history.finish(loads.file())?;
-    out.write_all(text.as_bytes())
-        .map_err(|error| unwritable(path, &error))?;
-    out.finish().map_err(|error| unwritable(path, &error))?;
+    history.finish(watch.recording, &mut tell)?;
+    write(&text)?;
     Ok(summary)
-}
-
-/// Opens the recording, which has a column of a probe at least.
-fn open(args: &Args, file: &SpindleFile, path: &Path) -> Result<Loads> {
-    let out = place(path).map_err(|error| unwritable(path, &error))?;
-    let loads = args.loads.as_deref().unwrap_or(Path::new(""));
-    for input in [loads, args.design()].into_iter().chain(file.files()) {
-        if place(input).is_ok_and(|input| input == out) {
-            bail!(
-                "--response would overwrite its own input {}; name another file",
-                path.display()
-            );
-        }
-    }
-    let mut wanted = args.wanted(file.heat.is_some())?;
-    wanted.probes = file.probes.iter().map(|probe| probe.name.clone()).collect();
-    let loads = recordings::read(loads, &wanted)?;
-    let has: Vec<bool> = loads.has_probes().collect();
-    ensure!(
-        has.contains(&true),
-        "{}: there is no column probe_{}_um; add one for each [[probe]]",
-        loads.file(),
-        file.probes[0].name
-    );
-    for (probe, _) in file.probes.iter().zip(&has).filter(|(_, has)| !**has) {
-        let (file, name) = (loads.file(), &probe.name);
-        eprintln!("replay: {file}: there is no column probe_{name}_um");
-    }
-    Ok(loads)
-}
-
-/// The next row of the recording, none of one that is refused; none at its end.
-fn next(loads: &mut Loads, summary: &mut Summary) -> Result<Option<Option<LoadRow>>> {
-    let row = match loads.next() {
-        None => return Ok(None),
-        Some(Ok(row)) => Some(row),
-        Some(Err(LoadsError::Row(bad))) => {
-            summary.first_fault.get_or_insert(bad.fault);
-            *summary.refused.entry(REFUSED_INPUT).or_default() += 1;
-            None
-        }
-        Some(Err(fault)) => return Err(fault.into()),
-    };
-    summary.rows += 1;
-    Ok(Some(row))
 }
 
 /// The monitor of a spindle with `P` probes, and its recording so far.
@@ -154,20 +115,21 @@ struct History<'h, const P: usize> {
 }
 
 impl<'h, const P: usize> History<'h, P> {
-    fn new(args: &Args, file: &'h SpindleFile, first: &[LoadRow]) -> Result<Self> {
+    fn new(watch: &Watch<'h>, first: &[LoadRow]) -> Result<Self> {
+        let file = watch.file;
         let times = first.windows(2).map(|pair| pair[1].time_s - pair[0].time_s);
         let mut steps: Vec<f64> = times.filter(|step| *step > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         let step = steps.get(steps.len() / 2).copied().unwrap_or(STEPS[1]);
         let step = step.clamp(STEPS[0], STEPS[1]);
-        let mut settings = file.settings(&Core::STM32F405);
+        let mut settings = file.settings(&watch.board);
         // A recording has a row a tick, and a solve ends in its tick; channels are believed though they repeat themselves.
         settings.tick.period_us = (1e6 * step).round() as u32;
         settings.tick.deadline_cycles = u32::MAX;
         settings.plausibility.stuck_after = 0;
         settings.plausibility.speed_stuck_after = 0;
         let mut monitor = monitor_of::<P>(file, None, settings)?;
-        let window = args.response.commission;
+        let window = watch.commission;
         if window.is_some() {
             monitor.learn(u64::MAX);
         }
@@ -200,7 +162,13 @@ impl<'h, const P: usize> History<'h, P> {
         (1e6 * (time - self.begin)).round() as u64
     }
 
-    fn take(&mut self, row: &LoadRow, summary: &mut Summary, text: &mut String) {
+    fn take(
+        &mut self,
+        row: &LoadRow,
+        summary: &mut Summary,
+        text: &mut String,
+        tell: &mut impl FnMut(&str),
+    ) {
         let time = row.time_s;
         if let Some([from, to]) = self.window
             && time >= from
@@ -235,7 +203,7 @@ impl<'h, const P: usize> History<'h, P> {
         }
         while self.monitor.outbox().next_byte().is_some() {}
         (self.last, self.rpm) = (time, row.speed_rpm);
-        self.tell(time);
+        self.tell(time, tell);
         while time + 1.5 * self.step >= self.next {
             if let Some(report) = self.monitor.probes_report() {
                 text.push_str(&line(self.next, &report));
@@ -246,45 +214,47 @@ impl<'h, const P: usize> History<'h, P> {
     }
 
     /// Says once that the speed has no blocks, and once that commissioning has ended.
-    fn tell(&mut self, time: f64) {
+    fn tell(&mut self, time: f64, tell: &mut impl FnMut(&str)) {
         let rate = (1.0 / self.step) as f32;
         if !self.told_aliased && is_aliased(self.rpm as f32, rate) {
             self.told_aliased = true;
             let (rpm, rate) = (self.rpm, short(rate.into()));
             let other = other_rate(rpm as f32, rate as f32);
             let other = other.map_or(String::new(), |other| format!(": {other} Hz does not"));
-            eprintln!(
-                "replay: at {rate} Hz, {rpm} rpm stands still{other}; such times do not count"
-            );
+            tell(&format!(
+                "at {rate} Hz, {rpm} rpm stands still{other}; such times do not count"
+            ));
         }
         if !self.told_found
             && self.monitor.is_commissioned()
             && let Some(report) = self.monitor.probes_report()
         {
             self.told_found = true;
-            self.found(&format!("commissioned at {time} s"), &report);
+            self.found(&format!("commissioned at {time} s"), &report, tell);
         }
     }
 
     /// Says what was found of preload and probes.
-    fn found(&self, when: &str, report: &ProbesReport) {
+    fn found(&self, when: &str, report: &ProbesReport, tell: &mut impl FnMut(&str)) {
         if let Some(preload) = report.preload {
             let [value, error] = [preload.value, preload.error].map(|x| short(f64::from(x)));
-            eprintln!("replay: {when}: preload {value:.0} +- {error:.0} N");
+            tell(&format!("{when}: preload {value:.0} +- {error:.0} N"));
         } else {
-            eprintln!("replay: {when}: no rows oppose each other, and none has a preload");
+            tell(&format!(
+                "{when}: no rows oppose each other, and none has a preload"
+            ));
         }
         for (probe, report) in self.file.probes.iter().zip(&report.probes) {
-            eprintln!(
-                "replay: probe {}: {}",
+            tell(&format!(
+                "probe {}: {}",
                 probe.name,
                 findings::raw_ratio(report)
-            );
+            ));
         }
     }
 
     /// Says what commissioning has lacked.
-    fn finish(&self, name: &str) -> Result<()> {
+    fn finish(&self, name: &str, tell: &mut impl FnMut(&str)) -> Result<()> {
         if let Some([from, to]) = self.window {
             let end = self.last;
             ensure!(
@@ -299,19 +269,21 @@ impl<'h, const P: usize> History<'h, P> {
         if self.told_found {
             return Ok(());
         }
-        self.found("at the end, not commissioned", &report);
+        self.found("at the end, not commissioned", &report, tell);
         let Constants { steps, .. } = Constants::USUAL;
         match findings::steps_to_go(&report) {
             0 => {}
-            to_go => eprintln!(
-                "replay: the recording ends {to_go} steps before commissioning, which takes {steps}"
-            ),
+            to_go => tell(&format!(
+                "the recording ends {to_go} steps before commissioning, which takes {steps}"
+            )),
         }
         if let Some(lacking) = findings::lacking(&report) {
-            eprintln!("replay: {lacking}");
+            tell(&lacking);
         }
         if let Some([_, to]) = self.window.filter(|[_, to]| *to > self.last) {
-            eprintln!("replay: the recording ends before {to} s, until when --commission lasts");
+            tell(&format!(
+                "the recording ends before {to} s, until when --commission lasts"
+            ));
         }
         Ok(())
     }

@@ -1,16 +1,13 @@
-//! `cargo replay --sensitivity`: what a micrometre of spacer, a newton of spring and a kelvin do to a spindle.
+//! What a micrometre of spacer, a newton of spring and a kelvin do to a spindle.
 
-use crate::arguments::Args;
+use crate::quantities::{LOADS, OWN};
 use anyhow::{Result, anyhow, ensure};
-use cli::quantities::{LOADS, OWN};
-use cli::replay::{ReplayError, Summary, Table};
 use spindle_bearing::{RacewayControlFree, Settings, Speed, SpindleChange, SpindleSolution};
 use spindle_file::loads::{LoadRow, celsius};
 use spindle_file::mounting::{DynSolver, DynSpindle, MOST_JOINTS, Parts, closed, growths};
 use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS, Question};
 use spindle_file::reading::short;
 use spindle_file::spindles::SpindleFile;
-use std::io::{self, Write};
 
 type DynSolution<'s> =
     SpindleSolution<'s, f64, MOST_ROWS, MOST_BALLS, RacewayControlFree, 6, MOST_JOINTS>;
@@ -21,10 +18,12 @@ const STEP: f64 = 0.1;
 /// Smaller figures, N and um, are errors of rounding, printed as 0.
 const ROUNDING: f64 = 1e-9;
 
-/// The load, speed and temperatures of the options; idling, at rest and cold without them.
-fn state(args: &Args, file: &SpindleFile) -> Result<LoadRow> {
-    let [_, loads @ .., speed, inner, outer] = args.state.0;
-    for (value, own) in args.state.0.into_iter().zip(OWN).skip(LOADS) {
+/// A state in the order of [`OWN`], whose time does not count: none is idling, at rest, cold.
+pub type State = [Option<f64>; OWN.len()];
+
+fn row_of(state: State, file: &SpindleFile) -> Result<LoadRow> {
+    let [_, loads @ .., speed, inner, outer] = state;
+    for (value, own) in state.into_iter().zip(OWN).skip(LOADS) {
         if let Some(value) = value {
             ensure!(
                 file.heat.is_some(),
@@ -56,14 +55,17 @@ fn solve<'s>(
     solved.map_err(|status| anyhow!("{status}; --fx, --speed and others give another load"))
 }
 
-/// Writes the table to standard output.
-pub fn run(args: &Args) -> Result<Summary> {
-    let file = args.file()?;
+/// Changes of each row's preload, N, and of the displacement at each nose and probe, um, as CSV.
+///
+/// # Errors
+///
+/// A spindle that cannot be built, temperatures that it does not take, a state without an equilibrium.
+pub fn sensitivity(file: &SpindleFile, state: State) -> Result<String> {
     let explained = |error: BuildError| file.explain(&error);
     let plan = closed(&file.plan).map_err(explained)?;
     let parts = Parts::<f64>::of(&plan).map_err(explained)?;
     let spindle = parts.spindle(&plan).map_err(explained)?;
-    let row = state(args, &file)?;
+    let row = row_of(state, file)?;
     let mut places: Vec<_> = file
         .noses
         .iter()
@@ -138,7 +140,5 @@ pub fn run(args: &Args) -> Result<Summary> {
         let figures: Vec<String> = figures.collect();
         text += &format!("{name},{}\n", figures.join(","));
     }
-    let written = io::stdout().write_all(text.as_bytes());
-    written.map_err(|error| ReplayError::Output(Table::Results, error))?;
-    Ok(Summary::default())
+    Ok(text)
 }
