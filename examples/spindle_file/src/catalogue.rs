@@ -1,6 +1,6 @@
 //! Designs that one can name: makers' bearings with published ball data, and the files in `bearings`.
 
-use crate::designs::{DesignFile, SHIPPED};
+use crate::designs::DesignFile;
 use crate::reading::{DesignFileError, alike};
 use serde::Deserialize;
 use spindle_bearing::FreeContact;
@@ -76,16 +76,17 @@ pub fn gmn_s60() -> Vec<Listed> {
     rows.unwrap_or_else(|error| panic!("examples/spindle_file/makers/gmn_s60.csv: {error}"))
 }
 
-/// Names of the designs that come with the project.
-fn shipped() -> Vec<String> {
-    let files = std::fs::read_dir(SHIPPED).into_iter().flatten().flatten();
-    let names = files.map(|file| file.file_name().to_string_lossy().into_owned());
-    let designs =
-        names.filter_map(|name| Some(format!("{PROJECT}{}", name.strip_suffix(".toml")?)));
-    let mut designs: Vec<String> = designs.collect();
-    designs.sort();
-    designs
-}
+/// Designs that come with the project, and their files.
+const SHIPPED: [(&str, &str); 5] = [
+    ("project:7014c", include_str!("../bearings/7014c.toml")),
+    ("project:b218", include_str!("../bearings/b218.toml")),
+    ("project:b7005c", include_str!("../bearings/b7005c.toml")),
+    (
+        "project:b7005c-hybrid",
+        include_str!("../bearings/b7005c-hybrid.toml"),
+    ),
+    ("project:skf6205", include_str!("../bearings/skf6205.toml")),
+];
 
 /// Small letters and no blanks.
 fn plain(name: &str) -> String {
@@ -94,7 +95,8 @@ fn plain(name: &str) -> String {
 
 /// All names.
 fn names(listed: &[Listed]) -> Vec<String> {
-    listed.iter().map(Listed::name).chain(shipped()).collect()
+    let shipped = SHIPPED.iter().map(|(name, _)| (*name).to_owned());
+    listed.iter().map(Listed::name).chain(shipped).collect()
 }
 
 /// The names that are most like this one, as a question.
@@ -145,9 +147,12 @@ pub fn find(name: &str) -> Option<Result<DesignFile, DesignFileError>> {
             message: format!("the catalogue has no such bearing; {}", alike_names(name)),
         }));
     };
-    Some(match names[found].strip_prefix(PROJECT) {
-        Some(stem) => DesignFile::read(Path::new(SHIPPED).join(format!("{stem}.toml"))),
-        None => listed[found].design(),
+    Some(match listed.get(found) {
+        Some(listed) => listed.design(),
+        None => {
+            let (name, text) = SHIPPED[found - listed.len()];
+            DesignFile::parse(name, text)
+        }
     })
 }
 
@@ -165,7 +170,7 @@ pub fn list() -> String {
         ];
         (one.name(), preloads.map(|n| format!("{n:8.0}")).concat())
     });
-    for (name, preloads) in gmn.chain(shipped().into_iter().map(|name| (name, String::new()))) {
+    for (name, preloads) in gmn.chain(SHIPPED.map(|(name, _)| (name.to_owned(), String::new()))) {
         let Some(Ok(DesignFile {
             balls,
             design,

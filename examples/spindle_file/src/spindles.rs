@@ -93,6 +93,9 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 use toml::Spanned;
 
+/// Brings a design file by the name that a spindle's file has for it: how messages call it, and its text.
+pub type ReadDesign<'r> = dyn FnMut(&str) -> Result<(String, String), DesignFileError> + 'r;
+
 /// A spindle read from a file.
 #[derive(Debug, Clone)]
 pub struct SpindleFile {
@@ -333,11 +336,20 @@ impl SpindleFile {
             return found.map(Self::from);
         }
         let (file, text) = read_text(path).map_err(|error| catalogue::hint(path, error))?;
-        if is_spindle(&text) {
-            let folder = path.parent().unwrap_or_else(|| Path::new(""));
-            Self::parse(&file, &text, folder)
-        } else {
-            DesignFile::parse(&file, &text).map(Self::from)
+        let folder = path.parent().unwrap_or_else(|| Path::new(""));
+        Self::of(&file, &text, &mut |name| read_text(&folder.join(name)))
+    }
+
+    /// Reads a spindle or a bearing from the text of a file; messages call the file `file`. `read` brings design files that the text
+    /// names: how messages call them, and their text.
+    ///
+    /// # Errors
+    ///
+    /// A text that is no spindle and no design; the place in it where it goes wrong.
+    pub fn of(file: &str, text: &str, read: &mut ReadDesign<'_>) -> Result<Self, DesignFileError> {
+        match is_spindle(text) {
+            true => Self::of_rows(file, text, read),
+            false => DesignFile::parse(file, text).map(Self::from),
         }
     }
 
@@ -347,6 +359,10 @@ impl SpindleFile {
     ///
     /// A text that is not a spindle; the place in it where it goes wrong.
     pub fn parse(file: &str, text: &str, folder: &Path) -> Result<Self, DesignFileError> {
+        Self::of_rows(file, text, &mut |name| read_text(&folder.join(name)))
+    }
+
+    fn of_rows(file: &str, text: &str, read: &mut ReadDesign<'_>) -> Result<Self, DesignFileError> {
         let r = Reading { file, text };
         let table = r.table()?;
         let monitor = table.get_ref().get("monitor").cloned();
@@ -383,11 +399,13 @@ impl SpindleFile {
             let design = match (row.bearing, row.design) {
                 (Some(bearing), None) => {
                     let name = bearing.get_ref();
-                    let path = folder.join(name);
-                    let found = catalogue::find(name).filter(|_| !path.exists());
-                    let read = || DesignFile::read(&path);
-                    let read = || read().map_err(|error| catalogue::hint(&path, error));
-                    let design = found.unwrap_or_else(read);
+                    let design = match read(name) {
+                        Ok((file, text)) => DesignFile::parse(&file, &text),
+                        // What is no file may be a name of the catalogue.
+                        Err(error) if error.place.is_none() => catalogue::find(name)
+                            .unwrap_or_else(|| Err(catalogue::hint(Path::new(name), error))),
+                        Err(error) => Err(error),
+                    };
                     design.map_err(|error| match error.place {
                         // It is this file's line that names it.
                         None => r.error(r.place(bearing.span()), error.to_string()),

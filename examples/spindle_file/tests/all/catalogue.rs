@@ -1,7 +1,7 @@
 //! Bearings by name.
 
 use spindle_file::catalogue::{find, gmn_s60, list};
-use spindle_file::designs::DesignFile;
+use spindle_file::designs::{DesignFile, SHIPPED};
 use spindle_file::spindles::SpindleFile;
 use std::path::Path;
 
@@ -34,6 +34,8 @@ fn every_bearing_of_the_catalogue_can_be_built_and_is_listed() {
         file.design.check(balls).unwrap();
         assert!(list.contains(name), "{name}");
     }
+    let files = std::fs::read_dir(SHIPPED).unwrap().count();
+    assert_eq!(list.matches("\nproject:").count(), files);
 }
 
 #[test]
@@ -75,4 +77,20 @@ fn rows_of_a_spindle_may_name_bearings_of_the_catalogue() {
     assert_eq!(file.plan.rows[1].balls, 21);
     let error = SpindleFile::parse("pair.toml", &text("gmn:S6014D"), folder).unwrap_err();
     assert!(error.to_string().contains("gmn:S6014C"), "{error}");
+}
+
+#[test]
+fn a_spindle_is_made_of_texts_alone() {
+    let text =
+        "name = \"one\"\n[[row]]\nbearing = \"own.toml\"\nposition_mm = 0\nfacing = \"+x\"\n";
+    let own = std::fs::read_to_string(format!("{SHIPPED}/7014c.toml")).unwrap();
+    let mut asked = Vec::new();
+    let mut read = |name: &str| {
+        asked.push(name.to_owned());
+        Ok(("memory".to_owned(), own.clone()))
+    };
+    let file = SpindleFile::of("one.toml", text, &mut read).unwrap();
+    assert_eq!(file.designs()[0].design, named("project:7014c").design);
+    let alone = SpindleFile::of("own.toml", &own, &mut read).unwrap();
+    assert!(alone.is_bearing && asked == ["own.toml"]);
 }
