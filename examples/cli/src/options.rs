@@ -117,6 +117,23 @@ pub struct Options {
     pub pauses: Pauses,
 }
 
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            precision: Precision::F64,
+            attitude: Attitude::Raceless,
+            motion: Motion::Full,
+            freedoms: 5,
+            given: Vec::new(),
+            tolerance: None,
+            cold: false,
+            peak_pressure: 4200.0,
+            friction: Limits::<f64>::LUBRICATED_FRICTION,
+            pauses: Pauses::End,
+        }
+    }
+}
+
 impl Options {
     /// How the balls move, and displacements that are given.
     ///
@@ -208,4 +225,16 @@ impl Options {
         }
         Ok(held)
     }
+}
+
+/// Times from and to which the monitor learns, s, such as `0:10`.
+///
+/// # Errors
+///
+/// Words that are no such times.
+pub fn window(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text.split_once(':');
+    let numbers = numbers.and_then(|(from, to)| Some([from.parse().ok()?, to.parse().ok()?]));
+    let ordered = numbers.filter(|[from, to]: &[f64; 2]| from < to && to.is_finite());
+    ordered.ok_or_else(|| "give seconds FROM:TO, such as 0:10".to_owned())
 }

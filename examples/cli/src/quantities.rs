@@ -44,7 +44,7 @@ const OTHERS: [(&str, &str, &str); 20] = [
 ];
 
 /// The column that is due in the place of one that looks like it (`fx_kn`, `Fx [N]`, `time`, `probe_nose_mm`), and what to do.
-pub(crate) fn due(name: &str) -> Option<(String, String)> {
+pub fn due(name: &str) -> Option<(String, String)> {
     if name.starts_with("probe_") && name.ends_with("_um") {
         return None;
     }

@@ -70,6 +70,16 @@ fn time_of(row: &mut Result<LoadRow, LoadsError>) -> Option<&mut f64> {
     }
 }
 
+/// Records in memory, those of one time sharing the time to the next one; how many have, in one line.
+pub fn sharing_times(rows: Vec<LoadRow>) -> (Vec<LoadRow>, Option<String>) {
+    let (mut rows, mut times) = (
+        rows.into_iter(),
+        Times::of(|row: &mut LoadRow| Some(&mut row.time_s)),
+    );
+    let shared = std::iter::from_fn(|| times.next(|| rows.next())).collect();
+    (shared, times.account())
+}
+
 /// What a replay takes of a recording.
 #[derive(Debug, Clone)]
 pub struct Wanted {

@@ -2,6 +2,7 @@
 
 use crate::fault::{BadRow, LoadsError};
 use crate::lifetime::{Lifetime, Record};
+use rayon::ThreadPool;
 use rayon::prelude::*;
 use spindle_bearing::{Design, Frequencies, LifeRating, RatingLife, Speed};
 use spindle_file::dispatch::Precision;
@@ -13,6 +14,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::{self, Write as _};
 use std::io::{self, Write};
+use std::slice::IterMut;
 
 /// Names of the five freedoms in column names.
 const FREEDOMS: [&str; 5] = ["x", "y", "z", "ty", "tz"];
@@ -139,6 +141,7 @@ impl Table {
                 add(&MOTION, Figure::OfRow(|row, i, _| row.displacement[i]), 0);
                 let closure = Figure::OfRow(|row, _, _| 1e6 * row.closure);
                 add(&["closure_um"], closure, 0);
+                add(&["l10_mrev", "l10_h"], Figure::RowLife, parts::BALLS);
             }
             Self::Noses => {
                 add(
@@ -213,8 +216,10 @@ enum Figure {
     Ball,
     /// A number of the recording from this one on, never rounded to the solver's precision: time identifies the row.
     Copy(usize),
-    /// Million revolutions or hours, in single precision; empty if there is no end of it.
+    /// Million revolutions or hours of all rows, in single precision; empty if there is no end of it.
     Life,
+    /// The same of one row.
+    RowLife,
     /// A number of the answer, in the precision of the solve, by the column's index.
     Answer(fn(&Answer, usize) -> f64),
     /// A number at a nose, by the column's index.
@@ -236,7 +241,9 @@ struct Column {
 struct Line<'l> {
     given: &'l [Option<f64>; 9],
     answer: Result<&'l Answer, &'static str>,
-    life: Option<[f64; 2]>,
+    /// Weights of the rows for the life, if that is wanted.
+    weights: Option<&'l [f64]>,
+    omega: f64,
     noses: &'l [Nose],
     row: usize,
     ball: usize,
@@ -277,6 +284,9 @@ fn select(columns: Vec<Column>, names: &[String]) -> Result<Vec<Column>, String>
     }
     Ok(selected)
 }
+
+/// A table that is wanted, and which of its columns; all if none are named.
+pub type Wanted<'w> = (Table, &'w [String]);
 
 /// A table that is wanted, and where it goes.
 pub type Output<'o> = (Table, Box<dyn Write + Send + 'o>);
@@ -379,46 +389,180 @@ impl fmt::Display for Summary {
     }
 }
 
-/// A table that is written.
+/// A table that is made.
 struct Sheet {
     table: Table,
     columns: Vec<Column>,
 }
 
-impl Sheet {
-    /// Adds a line.
-    fn add(&self, text: &mut String, line: &Line<'_>, precision: Precision) {
-        for (i, column) in self.columns.iter().enumerate() {
-            text.push_str(if i == 0 { "" } else { "," });
-            let index = column.index;
-            // Writing to a string does not fail.
-            let _ = match (column.figure, line.answer) {
-                (Figure::Row, _) => write!(text, "{}", line.row),
-                (Figure::Nose, _) => text.write_str(&line.noses[line.row].name),
-                (Figure::Ball, _) => write!(text, "{}", line.ball),
-                (Figure::Copy(first), _) => match line.given[first + index] {
-                    Some(x) => Precision::F64.write(text, x),
-                    None => Ok(()),
-                },
-                (Figure::Status, Err(status)) => text.write_str(status),
-                (_, Err(_)) => Ok(()),
-                (Figure::Status, Ok(answer)) => text.write_str(answer.status.name()),
-                (Figure::Iterations, Ok(answer)) => write!(text, "{}", answer.iterations),
-                (Figure::Limits, Ok(answer)) => text.write_str(&answer.passed().join(" ")),
-                (Figure::Life, Ok(_)) => match line.life.map(|life| life[index]) {
-                    Some(life) if life.is_finite() => Precision::F32.write(text, life),
-                    _ => Ok(()),
-                },
-                (Figure::Answer(of), Ok(answer)) => precision.write(text, of(answer, index)),
-                (Figure::AtNose(of), Ok(answer)) => {
-                    precision.write(text, of(&answer.at[line.row], index))
-                }
-                (Figure::OfRow(of), Ok(answer)) => {
-                    precision.write(text, of(&answer.rows[line.row], index, line.ball))
-                }
-            };
+/// Where the fields of a table go.
+trait Fields {
+    fn word(&mut self, word: &str);
+
+    fn count(&mut self, count: usize);
+
+    fn number(&mut self, x: f64, precision: Precision);
+
+    /// A life, in single precision.
+    fn life(&mut self, life: f64);
+
+    fn empty(&mut self);
+
+    fn end_line(&mut self) {}
+}
+
+/// CSV. Writing to a string does not fail.
+impl Fields for String {
+    fn word(&mut self, word: &str) {
+        let _ = write!(self, "{word},");
+    }
+
+    fn count(&mut self, count: usize) {
+        let _ = write!(self, "{count},");
+    }
+
+    fn number(&mut self, x: f64, precision: Precision) {
+        let _ = precision.write(self, x);
+        self.push(',');
+    }
+
+    fn life(&mut self, life: f64) {
+        match life.is_finite() {
+            true => self.number(life, Precision::F32),
+            false => self.empty(),
         }
-        text.push('\n');
+    }
+
+    fn empty(&mut self) {
+        self.push(',');
+    }
+
+    fn end_line(&mut self) {
+        self.pop();
+        self.push('\n');
+    }
+}
+
+/// A block's part of a table in memory.
+struct Part<'p> {
+    numbers: IterMut<'p, f64>,
+    words: Vec<String>,
+}
+
+impl Fields for Part<'_> {
+    fn word(&mut self, word: &str) {
+        self.words.push(word.to_owned());
+    }
+
+    fn count(&mut self, count: usize) {
+        self.number(count as f64, Precision::F64);
+    }
+
+    fn number(&mut self, x: f64, _: Precision) {
+        if let Some(place) = self.numbers.next() {
+            *place = x;
+        }
+    }
+
+    fn life(&mut self, life: f64) {
+        self.number(f64::from(life as f32), Precision::F32);
+    }
+
+    fn empty(&mut self) {
+        self.number(f64::NAN, Precision::F64);
+    }
+}
+
+impl Column {
+    fn is_word(&self) -> bool {
+        matches!(self.figure, Figure::Status | Figure::Limits | Figure::Nose)
+    }
+
+    fn add(&self, to: &mut impl Fields, line: &Line<'_>, precision: Precision) {
+        let index = self.index;
+        match (self.figure, line.answer) {
+            (Figure::OfRow(of), Ok(answer)) => {
+                to.number(of(&answer.rows[line.row], index, line.ball), precision)
+            }
+            (Figure::Row, _) => to.count(line.row),
+            (Figure::Nose, _) => to.word(&line.noses[line.row].name),
+            (Figure::Ball, _) => to.count(line.ball),
+            (Figure::Copy(first), _) => match line.given[first + index] {
+                Some(x) => to.number(x, Precision::F64),
+                None => to.empty(),
+            },
+            (Figure::Status, Err(status)) => to.word(status),
+            (Figure::Limits, Err(_)) => to.word(""),
+            (_, Err(_)) => to.empty(),
+            (Figure::Status, Ok(answer)) => to.word(answer.status.name()),
+            (Figure::Iterations, Ok(answer)) => to.count(answer.iterations.into()),
+            (Figure::Limits, Ok(answer)) => to.word(&answer.passed().join(" ")),
+            (Figure::Life, Ok(_)) => to.life(line.life(|weights| weights.iter().sum())[index]),
+            (Figure::RowLife, Ok(_)) => to.life(line.life(|weights| weights[line.row])[index]),
+            (Figure::Answer(of), Ok(answer)) => to.number(of(answer, index), precision),
+            (Figure::AtNose(of), Ok(answer)) => {
+                to.number(of(&answer.at[line.row], index), precision)
+            }
+        }
+    }
+}
+
+impl Line<'_> {
+    /// Basic rating life, million revolutions and hours, of this weight of the rows.
+    fn life(&self, weight: impl Fn(&[f64]) -> f64) -> [f64; 2] {
+        let weight = weight(self.weights.unwrap_or_default());
+        let life = RatingLife::of_weight(weight, self.omega);
+        [life.million_revolutions, life.hours]
+    }
+}
+
+impl Sheet {
+    fn of(job: &Job<'_>, (table, names): Wanted<'_>) -> Result<Self, ReplayError> {
+        let mut columns = table.columns(job.file, job.held != [None; 5]);
+        if !names.is_empty() {
+            columns = select(columns, names).map_err(ReplayError::Select)?;
+        }
+        Ok(Self { table, columns })
+    }
+
+    fn title(&self) -> Vec<&str> {
+        self.columns
+            .iter()
+            .map(|column| column.name.as_str())
+            .collect()
+    }
+
+    /// Lines that each record has.
+    fn lines(&self, file: &SpindleFile) -> usize {
+        match self.table {
+            Table::Results => 1,
+            Table::Noses => file.noses.len(),
+            Table::Balls => file.plan.rows.iter().map(|row| row.balls).sum(),
+            Table::Rows | Table::Frequencies => file.plan.rows.len(),
+        }
+    }
+
+    /// Adds the lines of a record.
+    fn add(&self, to: &mut impl Fields, mut line: Line<'_>, replay: &Replay<'_>) {
+        let rows = &replay.file.plan.rows;
+        let count = match self.table {
+            Table::Results => 1,
+            Table::Noses => line.noses.len(),
+            _ => rows.len(),
+        };
+        for row in 0..count {
+            let balls = match self.table {
+                Table::Balls => rows[row].balls,
+                _ => 1,
+            };
+            for ball in 0..balls {
+                (line.row, line.ball) = (row, ball);
+                for column in &self.columns {
+                    column.add(to, &line, replay.precision);
+                }
+                to.end_line();
+            }
+        }
     }
 }
 
@@ -426,12 +570,24 @@ impl Sheet {
 type Read = Result<LoadRow, Box<BadRow>>;
 
 /// A block of the recording, solved.
-#[derive(Default)]
-struct Solved {
+struct Solved<F> {
     /// Lines of every table.
-    texts: Vec<String>,
+    tables: Vec<F>,
     summary: Summary,
     records: Vec<Record>,
+    /// Records without an answer, counted from the block's first, and why.
+    refusals: Vec<(usize, String)>,
+}
+
+impl<F> Solved<F> {
+    fn of(tables: Vec<F>) -> Self {
+        Self {
+            tables,
+            summary: Summary::default(),
+            records: Vec::new(),
+            refusals: Vec::new(),
+        }
+    }
 }
 
 /// Solves a recording and writes the tables as CSV.
@@ -449,44 +605,19 @@ pub fn replay(
     rows: impl Iterator<Item = Result<LoadRow, LoadsError>> + Send,
     outputs: Vec<Output<'_>>,
 ) -> Result<Summary, ReplayError> {
-    let (mut sheets, mut outs, mut titles, mut wanted) = (vec![], vec![], vec![], 0);
     let lifetime = job.lifetime.take();
-    if lifetime.is_some() {
-        wanted = parts::LIMITS | parts::BALLS | parts::MOTIONS;
-    }
-    for (table, out) in outputs {
-        let mut columns = table.columns(job.file, job.held != [None; 5]);
-        if table == Table::Results && !job.select.is_empty() {
-            columns = select(columns, &job.select).map_err(ReplayError::Select)?;
-        }
-        let needs = columns.iter().map(|column| column.needs);
-        wanted |= needs.fold(0, |all, needs| all | needs);
-        let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-        titles.push(names.join(",") + "\n");
-        sheets.push(Sheet { table, columns });
-        outs.push((table, out));
-    }
-    let by_angles = job.at_rest && wanted & parts::FREQUENCIES != 0;
-    wanted |= if by_angles { parts::BALLS } else { 0 };
-    solver.choose(&Choices {
-        parts: wanted,
-        ..job.choices
+    let tables = outputs.iter().map(|(table, _)| match table {
+        Table::Results => (*table, &job.select[..]),
+        _ => (*table, &[][..]),
     });
-    let mut columns = sheets.iter().flat_map(|sheet| &sheet.columns);
-    let has_life = columns.any(|column| matches!(column.figure, Figure::Life));
-    let replay = Replay {
-        file: job.file,
-        held: job.held,
-        precision: job.precision,
-        cold: job.cold,
-        by_angles,
-        is_summed: lifetime.is_some(),
-        is_weighed: lifetime.is_some() || has_life,
-        ratings: job.file.ratings(),
-        sheets,
-    };
+    let replay = Replay::of(&job, tables, lifetime.is_some(), solver)?;
+    let titles = replay
+        .sheets
+        .iter()
+        .map(|sheet| sheet.title().join(",") + "\n");
+    let mut solved = vec![Solved::of(titles.collect())];
     let mut written = Written {
-        outs,
+        outs: outputs,
         summary: Summary::default(),
         lifetime,
     };
@@ -504,17 +635,20 @@ pub fn replay(
         let rows = read.iter().flatten().flatten();
         lifetime.end_at_pauses(rows.map(|row| row.time_s));
     }
-    let mut solved = vec![Solved {
-        texts: titles,
-        ..Solved::default()
-    }];
     while !read.is_empty() {
         let before = std::mem::take(&mut solved);
         let (next, blocks) = rayon::join(
             || written.add(before).map(|()| reader.blocks(most)),
             || {
                 let blocks = solvers.par_iter_mut().zip(&read).with_max_len(1);
-                let blocks = blocks.map(|(solver, block)| replay.solve(&mut **solver, block));
+                let blocks = blocks.map(|(solver, block)| {
+                    let rows = block.iter().map(|row| row.as_ref().map_err(|bad| &**bad));
+                    replay.solve(
+                        &mut **solver,
+                        rows,
+                        vec![String::new(); replay.sheets.len()],
+                    )
+                });
                 blocks.collect()
             },
         );
@@ -529,6 +663,111 @@ pub fn replay(
         Some(fault) => Err(ReplayError::Loads(fault)),
         None => Ok(written.summary),
     }
+}
+
+/// Form of a table of records in memory.
+#[derive(Debug)]
+pub struct Form {
+    /// Names of its columns, and whether they have words.
+    pub columns: Vec<(String, bool)>,
+    /// Lines that each record has.
+    pub lines: usize,
+}
+
+impl Form {
+    /// Columns of numbers.
+    pub fn width(&self) -> usize {
+        let numbers = self.columns.iter().filter(|(_, is_word)| !is_word);
+        numbers.count()
+    }
+}
+
+/// Forms of the tables that a job makes.
+///
+/// # Errors
+///
+/// Columns that there are not.
+pub fn forms(job: &Job<'_>, tables: &[Wanted<'_>]) -> Result<Vec<Form>, ReplayError> {
+    let forms = tables.iter().map(|wanted| {
+        let sheet = Sheet::of(job, *wanted)?;
+        let columns = sheet.columns.iter();
+        let columns = columns.map(|column| (column.name.clone(), column.is_word()));
+        Ok(Form {
+            columns: columns.collect(),
+            lines: sheet.lines(job.file),
+        })
+    });
+    forms.collect()
+}
+
+/// Fields of words of records in memory, by table, line by line.
+pub type Words = Vec<Vec<String>>;
+
+/// Why records have no answer, by their number.
+pub type Refusals = Vec<(usize, String)>;
+
+/// Solves records in memory, in the blocks of [`replay`], and so with its bits, on the threads of `pool`.
+///
+/// Each of the tables has its fields of numbers put into `numbers`, line by line; those of records without an answer are not numbers.
+/// After each few blocks, `go_on` is told on this thread how many records are solved. `None` if it has said no.
+///
+/// # Errors
+///
+/// As of [`replay`].
+pub fn fill(
+    mut job: Job<'_>,
+    solver: &mut dyn AnySolver,
+    rows: &[LoadRow],
+    (tables, numbers): (&[Wanted<'_>], Vec<&mut [f64]>),
+    (pool, mut go_on): (&ThreadPool, impl FnMut(usize) -> bool),
+) -> Result<Option<(Words, Refusals)>, ReplayError> {
+    let mut lifetime = job.lifetime.take();
+    let replay = Replay::of(&job, tables.iter().copied(), lifetime.is_some(), solver)?;
+    if let Some(lifetime) = lifetime.as_mut().filter(|_| !job.holds_pauses) {
+        lifetime.end_at_pauses(rows.iter().map(|row| row.time_s));
+    }
+    let (mut refusals, mut words) = (Vec::new(), vec![Vec::new(); tables.len()]);
+    let parts = numbers.into_iter().map(|numbers| {
+        let size = numbers.len() / rows.len().max(1);
+        numbers.chunks_mut((BLOCK * size).max(1))
+    });
+    let mut parts: Vec<_> = parts.collect();
+    let mut solvers: Vec<_> = (0..AHEAD * pool.current_num_threads())
+        .map(|_| solver.copy())
+        .collect();
+    let mut done = 0;
+    for batch in rows.chunks(BLOCK * solvers.len()) {
+        let blocks = batch.chunks(BLOCK).map(|block| {
+            let parts = parts.iter_mut().map(|part| Part {
+                numbers: part.next().unwrap_or_default().iter_mut(),
+                words: Vec::new(),
+            });
+            (block, parts.collect())
+        });
+        let blocks: Vec<(&[LoadRow], Vec<Part<'_>>)> = blocks.collect();
+        let solved: Vec<Solved<Part<'_>>> = pool.install(|| {
+            let blocks = solvers.par_iter_mut().zip(blocks).with_max_len(1);
+            let solved = blocks.map(|(solver, (block, parts))| {
+                replay.solve(&mut **solver, block.iter().map(Ok), parts)
+            });
+            solved.collect()
+        });
+        for block in solved {
+            for (all, part) in words.iter_mut().zip(block.tables) {
+                all.extend(part.words);
+            }
+            let refused = block.refusals.into_iter();
+            refusals.extend(refused.map(|(record, why)| (done + record, why)));
+            done += block.summary.rows as usize;
+            if let Some(lifetime) = &mut lifetime {
+                block.records.into_iter().for_each(|one| lifetime.add(one));
+            }
+        }
+        if !go_on(done) {
+            return Ok(None);
+        }
+    }
+    Ok(Some((words, refusals)))
 }
 
 /// A recording, in blocks.
@@ -567,9 +806,9 @@ struct Written<'w> {
 }
 
 impl Written<'_> {
-    fn add(&mut self, blocks: Vec<Solved>) -> Result<(), ReplayError> {
+    fn add(&mut self, blocks: Vec<Solved<String>>) -> Result<(), ReplayError> {
         for block in blocks {
-            for ((table, out), text) in self.outs.iter_mut().zip(&block.texts) {
+            for ((table, out), text) in self.outs.iter_mut().zip(&block.tables) {
                 let written = out.write_all(text.as_bytes());
                 written.map_err(|error| ReplayError::Output(*table, error))?;
             }
@@ -598,13 +837,50 @@ struct Replay<'r> {
     sheets: Vec<Sheet>,
 }
 
-impl Replay<'_> {
+impl<'r> Replay<'r> {
+    /// How a job makes these tables, and sums if it `is_summed`: the solver is told what to work out.
+    fn of<'t>(
+        job: &Job<'r>,
+        tables: impl Iterator<Item = Wanted<'t>>,
+        is_summed: bool,
+        solver: &mut dyn AnySolver,
+    ) -> Result<Self, ReplayError> {
+        let sheets = tables.map(|wanted| Sheet::of(job, wanted));
+        let sheets = sheets.collect::<Result<Vec<_>, _>>()?;
+        let columns = || sheets.iter().flat_map(|sheet: &Sheet| &sheet.columns);
+        let mut wanted = columns().fold(0, |all, column| all | column.needs);
+        if is_summed {
+            wanted |= parts::LIMITS | parts::BALLS | parts::MOTIONS;
+        }
+        let by_angles = job.at_rest && wanted & parts::FREQUENCIES != 0;
+        wanted |= if by_angles { parts::BALLS } else { 0 };
+        solver.choose(&Choices {
+            parts: wanted,
+            ..job.choices
+        });
+        let has_life =
+            columns().any(|column| matches!(column.figure, Figure::Life | Figure::RowLife));
+        Ok(Self {
+            file: job.file,
+            held: job.held,
+            precision: job.precision,
+            cold: job.cold,
+            by_angles,
+            is_summed,
+            is_weighed: is_summed || has_life,
+            ratings: job.file.ratings(),
+            sheets,
+        })
+    }
+
     /// Solves a block, from a cold start on.
-    fn solve(&self, solver: &mut dyn AnySolver, block: &[Read]) -> Solved {
-        let mut solved = Solved {
-            texts: vec![String::new(); self.sheets.len()],
-            ..Solved::default()
-        };
+    fn solve<'b, F: Fields>(
+        &self,
+        solver: &mut dyn AnySolver,
+        block: impl Iterator<Item = Result<&'b LoadRow, &'b BadRow>>,
+        tables: Vec<F>,
+    ) -> Solved<F> {
+        let mut solved = Solved::of(tables);
         solver.reset();
         for row in block {
             if self.cold {
@@ -616,7 +892,12 @@ impl Replay<'_> {
     }
 
     /// Solves a record, and adds its lines.
-    fn add(&self, solver: &mut dyn AnySolver, row: &Read, solved: &mut Solved) {
+    fn add<F: Fields>(
+        &self,
+        solver: &mut dyn AnySolver,
+        row: Result<&LoadRow, &BadRow>,
+        solved: &mut Solved<F>,
+    ) {
         let (file, summary) = (self.file, &mut solved.summary);
         summary.rows += 1;
         let (given, mut answer) = match row {
@@ -625,8 +906,10 @@ impl Replay<'_> {
                 question.held = self.held;
                 let answer = solver.solve(&question);
                 let answer = answer.map_err(|status| {
-                    let why = || (row.time_s, status.to_string());
-                    summary.first_refusal.get_or_insert_with(why);
+                    let why = status.to_string();
+                    let first = || (row.time_s, why.clone());
+                    summary.first_refusal.get_or_insert_with(first);
+                    solved.refusals.push((summary.rows as usize - 1, why));
                     status.name()
                 });
                 let [fx, fy, fz, my, mz] = row.load;
@@ -656,38 +939,21 @@ impl Replay<'_> {
         let weighed = weighed
             .as_ref()
             .map(|(answer, weights)| (*answer, &weights[..]));
-        let life = weighed.map(|(_, weights)| {
-            let life = RatingLife::of_weight(weights.iter().sum(), omega);
-            [life.million_revolutions, life.hours]
-        });
         if self.is_summed {
             let record = Record::new(given[0], omega, weighed);
             solved.records.push(record);
         }
-        for (sheet, text) in self.sheets.iter().zip(&mut solved.texts) {
-            let mut line = Line {
+        for (sheet, table) in self.sheets.iter().zip(&mut solved.tables) {
+            let line = Line {
                 given: &given,
                 answer,
-                life,
+                weights: weighed.map(|(_, weights)| weights),
+                omega,
                 noses: &file.noses,
                 row: 0,
                 ball: 0,
             };
-            let rows = match sheet.table {
-                Table::Results => 1,
-                Table::Noses => file.noses.len(),
-                _ => file.plan.rows.len(),
-            };
-            for row in 0..rows {
-                let balls = match sheet.table {
-                    Table::Balls => file.plan.rows[row].balls,
-                    _ => 1,
-                };
-                for ball in 0..balls {
-                    (line.row, line.ball) = (row, ball);
-                    sheet.add(text, &line, self.precision);
-                }
-            }
+            sheet.add(table, line, self);
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::malformed::{self, HEADER};
 use cli::milling_cycle::RECORD;
 use cli::recordings::{Loads, Wanted};
-use spindle_bearing::{BallKinematics, BallState};
+use spindle_bearing::{BallKinematics, BallState, RatingLife, Speed};
 use spindle_file::designs::SHIPPED;
 use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::loads::LoadRow;
@@ -28,7 +28,7 @@ const BALL_HEADER: &str = "time_s,ball,azimuth_rad,alpha_i_rad,alpha_o_rad,q_i_n
 const ROW_HEADER: &str = "time_s,row,fx_n,fy_n,fz_n,my_nm,mz_nm,preload_n,least_q_i_n,\
     k_row_x_x,k_row_x_y,k_row_x_z,k_row_x_ty,k_row_x_tz,k_row_y_x,k_row_y_y,k_row_y_z,k_row_y_ty,k_row_y_tz,\
     k_row_z_x,k_row_z_y,k_row_z_z,k_row_z_ty,k_row_z_tz,k_row_ty_x,k_row_ty_y,k_row_ty_z,k_row_ty_ty,k_row_ty_tz,\
-    k_row_tz_x,k_row_tz_y,k_row_tz_z,k_row_tz_ty,k_row_tz_tz,dx_m,dy_m,dz_m,ty_rad,tz_rad,closure_um";
+    k_row_tz_x,k_row_tz_y,k_row_tz_z,k_row_tz_ty,k_row_tz_tz,dx_m,dy_m,dz_m,ty_rad,tz_rad,closure_um,l10_mrev,l10_h";
 
 const NOSE_HEADER: &str = "time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,\
     c_x_x,c_x_y,c_x_z,c_x_ty,c_x_tz,c_y_x,c_y_y,c_y_z,c_y_ty,c_y_tz,c_z_x,c_z_y,c_z_z,c_z_ty,c_z_tz,\
@@ -206,14 +206,30 @@ fn check_tables(design: &str, rule: &str, attitude: Attitude, precision: Precisi
                     );
                 }
             }
+            let omega = Speed::rpm(row.speed_rpm).as_rad_per_s();
             for (i, of) in file.plan.rows.iter().enumerate() {
                 let row = answer.as_ref().ok().map(|answer| &answer.rows[i]);
+                let lives = row.map(|row| {
+                    let forces = row.balls.iter().map(|ball| (ball.q_i, ball.q_o));
+                    let life = RatingLife::of_weight(file.ratings()[i].weight_of(forces), omega);
+                    [life.million_revolutions, life.hours].map(|life| {
+                        let mut text = String::new();
+                        if life.is_finite() {
+                            Precision::F32.write(&mut text, life).unwrap();
+                        }
+                        text
+                    })
+                });
                 let mut check = |table: usize, ball: Option<usize>, figures: Option<Vec<f64>>| {
                     let line = files[table].next().unwrap();
                     let numbered = (!file.is_bearing).then_some(i).into_iter().chain(ball);
                     let numbered: Vec<_> = numbered.map(|number| number.to_string()).collect();
                     let (place, rest) = line[1..].split_at(numbered.len());
                     assert_eq!(place, numbered);
+                    let (rest, life) = rest.split_at(rest.len() - if table == 2 { 2 } else { 0 });
+                    if table == 2 {
+                        assert_eq!(life, lives.clone().unwrap_or_default());
+                    }
                     match figures {
                         Some(figures) => assert_eq!(numbers(rest, precision), figures),
                         None => assert!(rest.concat().is_empty()),

@@ -4,7 +4,9 @@ use crate::formats::FORMATS;
 use anyhow::{Result, ensure};
 use clap::{ArgMatches, Parser};
 use cli::arguments::by_name;
-use cli::options::{ATTITUDES, BOARDS, MOTIONS, Motion, Options, PAUSES, PRECISIONS, Pauses};
+use cli::options::{
+    ATTITUDES, BOARDS, MOTIONS, Motion, Options, PAUSES, PRECISIONS, Pauses, window,
+};
 use cli::quantities::OWN;
 use cli::sensitivity;
 use spindle_bearing::Limits;
@@ -135,7 +137,7 @@ pub struct Args {
     #[arg(long, value_name = "BALLS.csv")]
     pub balls: Option<PathBuf>,
 
-    /// Write the load, preload, least contact force, stiffness, motion and closure of every row of a spindle to this CSV file
+    /// Write the load, preload, least contact force, stiffness, motion, closure and life of every row of a spindle to this CSV file
     #[arg(long, value_name = "ROWS.csv")]
     pub rows: Option<PathBuf>,
 
@@ -197,13 +199,6 @@ pub struct Probes {
     /// Without it, learning begins with the recording, and ends as soon as enough is known.
     #[arg(long, value_name = "FROM:TO", requires = "with_probes", value_parser = window, allow_hyphen_values = true)]
     pub commission: Option<[f64; 2]>,
-}
-
-fn window(text: &str) -> Result<[f64; 2], String> {
-    let numbers = text.split_once(':');
-    let numbers = numbers.and_then(|(from, to)| Some([from.parse().ok()?, to.parse().ok()?]));
-    let ordered = numbers.filter(|[from, to]: &[f64; 2]| from < to && to.is_finite());
-    ordered.ok_or_else(|| "give seconds FROM:TO, such as 0:10".to_owned())
 }
 
 /// State of `--sensitivity` in the order of [`OWN`]: an option for each of its loads, the speed and the temperatures.

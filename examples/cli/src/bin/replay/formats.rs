@@ -105,7 +105,8 @@ whose x points where an axial load presses its balls:
 then in the shaft's frame, SI units:
   k_row_x_x .. k_row_tz_tz  stiffness between shaft and housing: of the row, its support in series
   dx_m .. tz_rad  displacement of the shaft at the row
-and closure_um, by which the row's rings are ground or set off against each other; 0 under a spring
+then closure_um, by which the row's rings are ground or set off against each other; 0 under a spring,
+and l10_mrev, l10_h, its basic rating life as in the results
 
 NOSES.csv, one row for each nose, the plain one being called nose:
   time_s,nose,dx_m,dy_m,dz_m,ty_rad,tz_rad,c_x_x .. c_tz_tz,c_error_x .. c_error_tz
