@@ -42,7 +42,7 @@ fn project() -> &'static Path {
 }
 
 /// Every package but the library, and the packages of the project that it may use.
-const PACKAGES: [(&str, &[&str]); 9] = [
+const PACKAGES: [(&str, &[&str]); 10] = [
     // Its tests use its own mocks.
     ("examples/monitor", &["spindle-bearing", "spindle-monitor"]),
     ("examples/rtic", &["spindle-bearing"]),
@@ -68,6 +68,7 @@ const PACKAGES: [(&str, &[&str]); 9] = [
             "twin",
         ],
     ),
+    ("examples/python", &["cli", "spindle_file"]),
     (
         "host_tests/judge",
         &[
@@ -207,6 +208,7 @@ fn imports_do_not_go_round() {
         ("examples/firmware/src", "firmware"),
         ("examples/firmware/twin/src", "twin"),
         ("examples/cli/src", "cli"),
+        ("examples/python/src", "python"),
         ("host_tests/judge/src", "judge"),
         ("host_tests/lab/src", "lab"),
     ] {
