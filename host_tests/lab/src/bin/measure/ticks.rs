@@ -70,11 +70,13 @@ struct Board {
 }
 
 /// The monitor's methods that look at the counter: those of a solve's time, and the type that has the others.
-const ASKERS: [&str; 5] = [
+const ASKERS: [&str; 7] = [
     "has_a_row_more",
     "has_a_look",
     "has_a_report",
     "has_a_solve",
+    "has_slopes",
+    "has_a_step",
     "Ticker",
 ];
 
@@ -334,7 +336,7 @@ fn paced(ticks: Vec<Tick>) -> Vec<Tick> {
 /// Measures all boards.
 pub fn measure(root: &Path) -> Result<Vec<Costs>> {
     let record = record_of(ROWS);
-    let mut recording = records::read(record, None, &[], Some(SECONDS), PERIOD_US)?;
+    let mut recording = records::read(record, &[], Some(SECONDS), PERIOD_US)?;
     let episodes = faults::schedule(SEED, &recording.records);
     let mut spoiler = Spoiler::new(SEED, episodes);
     let teeth = teeth(&recording.records);
