@@ -7,7 +7,6 @@
 use crate::estimator::{Motion, Step};
 use crate::revolutions::{LONGEST, is_aliased, length, shortest};
 use crate::settings::ResponseSettings;
-use spindle_bearing::sqrt_f32;
 
 /// Change of speed from block to block that is steady, part of 1.
 const STEADY: f32 = 0.01;
@@ -17,14 +16,14 @@ const STEP: f32 = 5.0;
 const QUIET: f32 = 32.0;
 /// Square of the median of a normal number's amount.
 const MEDIAN: f32 = 0.455;
+/// Variance of the readings of a block, over the median of all blocks, beyond which it is not runout: coolant, a chip.
+const HIT: f32 = 4.0;
 /// Twice the pairs for which a value has repeated although it should have moved, until the probe is at fault.
 const STUCK: u8 = 100;
 /// Least variance of the noise, um^2.
 const LEAST: f32 = 1e-6;
 /// Differences that a probe's accuracy counts as, where the variance begins.
 const PRIOR: f32 = 4.0;
-/// Square of the cosine between the loads of two steps that are of one cut: 6 degrees.
-const PARALLEL: f32 = 0.99;
 /// A moment counts as a force so far away, 1/m: 50 mm, as at a tool.
 const PER_ARM: f32 = 20.0;
 /// No probe measures so far, um: sums of such numbers would not be finite.
@@ -42,7 +41,7 @@ pub struct Look {
 /// Means of a block at a probe, um.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Mean {
-    /// Not a number where too few readings came.
+    /// Not a number where too few readings came, or coolant.
     measured: f32,
     computed: f32,
     look: Look,
@@ -59,18 +58,21 @@ struct Block<const P: usize> {
 #[derive(Debug, Clone, Copy)]
 struct Probe {
     accuracy: f32,
-    /// The first pair, measured and computed; sums less that; count.
+    /// The first pair, measured and computed; sums less that; sums of squares, of measured less computed and of computed; count.
     first: [f32; 2],
     sum: [f32; 2],
+    squares: [f32; 2],
     pairs: u32,
     look: Look,
     /// The last measured value, computed displacement when it came, and evidence that it should have changed since.
     value: f32,
     since: f32,
     stuck: u8,
-    /// Variance of differences without a step, and of how many.
+    /// Medians, and of how many: variance of differences without a step, and of the readings of a block.
     quiet: f32,
     quiets: f32,
+    within: f32,
+    blocks: f32,
 }
 
 impl Probe {
@@ -79,6 +81,7 @@ impl Probe {
             accuracy,
             first: [0.0; 2],
             sum: [0.0; 2],
+            squares: [0.0; 2],
             pairs: 0,
             look: Look {
                 across: 0.0,
@@ -89,6 +92,8 @@ impl Probe {
             stuck: 0,
             quiet: accuracy * accuracy,
             quiets: PRIOR,
+            within: 0.0,
+            blocks: 0.0,
         }
     }
 
@@ -116,10 +121,13 @@ impl Probe {
             return;
         }
         if self.pairs == 0 {
-            (self.first, self.sum) = ([m, p], [0.0; 2]);
+            (self.first, self.sum, self.squares) = ([m, p], [0.0; 2], [0.0; 2]);
         }
-        self.sum[0] += m - self.first[0];
-        self.sum[1] += p - self.first[1];
+        let [m, p] = [m - self.first[0], p - self.first[1]];
+        self.sum[0] += m;
+        self.sum[1] += p;
+        self.squares[0] += (m - p) * (m - p);
+        self.squares[1] += p * p;
         self.pairs += 1;
     }
 
@@ -127,11 +135,21 @@ impl Probe {
     fn mean(&mut self, pairs: u32, looks: f32) -> Mean {
         let count = self.pairs as f32;
         let is_whole = 2 * self.pairs > pairs && self.stuck < STUCK / 10;
-        let [m, p] = [0, 1].map(|i| self.first[i] + self.sum[i] / count);
+        let [m, p] = self.sum.map(|sum| sum / count);
+        let [off, moved] = self.squares.map(|square| square / count);
+        let [off, moved] = [off - (m - p) * (m - p), moved - p * p];
+        // A probe follows the loads of a block to within half of their motion.
+        let least = self.accuracy * self.accuracy;
+        let is_hit = off > HIT * (self.within + least) + 0.25 * moved;
+        if self.blocks == 0.0 && off.is_finite() {
+            (self.within, self.blocks) = (off.clamp(LEAST, FARTHEST), PRIOR);
+        }
+        follow(&mut self.within, &mut self.blocks, off);
+        let [m, p] = [m + self.first[0], p + self.first[1]];
         self.pairs = 0;
         let Look { across, by_preload } = core::mem::take(&mut self.look);
         Mean {
-            measured: if is_whole { m } else { f32::NAN },
+            measured: if is_whole && !is_hit { m } else { f32::NAN },
             computed: if is_whole { p } else { f32::NAN },
             look: Look {
                 across: across / looks,
@@ -139,22 +157,20 @@ impl Probe {
             },
         }
     }
+}
 
-    /// Takes a difference without a load step, measured less expected: noise. Half of all are larger than its median, however far blows go.
-    fn rest(&mut self, residual: f32) {
-        if residual.is_finite() {
-            self.quiets = (self.quiets + 1.0).min(QUIET);
-            let is_larger = residual * residual > MEDIAN * self.quiet;
-            let part = if is_larger { 1.0 } else { -1.0 } / self.quiets;
-            self.quiet = (self.quiet * (1.0 + part)).clamp(LEAST, FARTHEST);
-        }
+/// Follows the median of numbers: half of all are larger than it, however far blows go.
+fn follow(median: &mut f32, counted: &mut f32, number: f32) {
+    if number.is_finite() {
+        *counted = (*counted + 1.0).min(QUIET);
+        let part = if number > *median { 1.0 } else { -1.0 } / *counted;
+        *median = (*median * (1.0 + part)).clamp(LEAST, FARTHEST);
     }
 }
 
 /// Blocks of `P` probes.
 #[derive(Debug, Clone)]
 pub struct Blocks<const P: usize> {
-    settings: &'static ResponseSettings<P>,
     /// Pairs in a second.
     rate: f32,
     /// Speed of the last block, rpm; sum over this block, its ticks so far and its length: 0 if it does not count.
@@ -167,8 +183,6 @@ pub struct Blocks<const P: usize> {
     loads: f32,
     looks: f32,
     probes: [Probe; P],
-    /// Loads of the cut's first step, moments as forces.
-    cut: [f32; 5],
     /// The block from which the loads change, the last one, and the ticks in between.
     from: Option<Block<P>>,
     last: Option<Block<P>>,
@@ -179,7 +193,6 @@ impl<const P: usize> Blocks<P> {
     /// Of probes that give a pair `rate` times a second (Hz).
     pub fn new(settings: &'static ResponseSettings<P>, rate: f32) -> Self {
         Self {
-            settings,
             rate,
             speed: 0.0,
             speeds: 0.0,
@@ -188,7 +201,6 @@ impl<const P: usize> Blocks<P> {
             load: [0.0; 5],
             loads: 0.0,
             looks: 0.0,
-            cut: [0.0; 5],
             probes: settings
                 .probes
                 .each_ref()
@@ -313,7 +325,12 @@ impl<const P: usize> Blocks<P> {
                 moves = true;
                 along += change * (last.computed - from.computed) / least;
             } else if change * change <= probe.quiet {
-                probe.rest(now.measured - last.measured - change);
+                let residual = now.measured - last.measured - change;
+                follow(
+                    &mut probe.quiet,
+                    &mut probe.quiets,
+                    residual * residual / MEDIAN,
+                );
             }
         }
         moves && along >= 0.0
@@ -323,28 +340,16 @@ impl<const P: usize> Blocks<P> {
     #[inline(never)]
     fn step(&mut self, from: &Block<P>, to: &Block<P>) -> Option<Step<P>> {
         let change: [f32; 5] = core::array::from_fn(|i| to.load[i] - from.load[i]);
-        let [x, y, z, my, mz] = change;
-        let [force, moment] = [x * x + y * y + z * z, my * my + mz * mz];
-        let loads = forces(&change);
-        let along = dot(&loads, &self.cut);
-        let (square, of_cut) = (dot(&loads, &loads), dot(&self.cut, &self.cut));
-        let begins_cut = along * along < PARALLEL * square * of_cut || of_cut == 0.0;
-        let error = self
-            .settings
-            .load_error
-            .copysign(if begins_cut { 1.0 } else { along });
         let motions = core::array::from_fn(|i| {
-            let (probe, settings) = (&self.probes[i], &self.settings.probes[i]);
+            let probe = &self.probes[i];
             let (to, from) = (&to.probes[i], &from.probes[i]);
             let computed = to.computed - from.computed;
-            let [by_force, by_moment] = settings.compliance.map(|c| c * c);
             let motion = Motion {
                 measured: to.measured - from.measured,
                 computed,
                 across: to.look.across - from.look.across,
                 by_preload: to.look.by_preload - from.look.by_preload,
                 noise: probe.quiet,
-                by_load: error * sqrt_f32(by_force * force + by_moment * moment),
             };
             let is_whole = (motion.measured + motion.across + motion.by_preload).is_finite();
             (computed * computed > probe.least() && is_whole && probe.stuck < STUCK)
@@ -353,12 +358,9 @@ impl<const P: usize> Blocks<P> {
         if !motions.iter().any(Option::is_some) {
             return None;
         }
-        if begins_cut {
-            self.cut = loads;
-        }
         Some(Step {
             motions,
-            begins_cut,
+            load: forces(&change),
         })
     }
 }

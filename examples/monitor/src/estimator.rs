@@ -3,19 +3,20 @@
 //! | state | meaning | before the first step | from step to step |
 //! | --- | --- | --- | --- |
 //! | `l` | ln of the preload over the file's, at commissioning | 0 +- 0.3 | constant |
-//! | `d` | its change since | 0 +- 0 | +- 0.003, once commissioned |
+//! | `d` | its change since | 0 +- 0 | +- 0.004, once commissioned |
 //! | `g` | gain of a probe: measured over computed motion | 1 +- 0.1 | constant |
 //! | `h` | its change since commissioning | 0 +- 0 | +- 0.0007, once commissioned |
 //! | `a` | angle of a radial probe less the file's, rad | 0 +- 0.2 | constant |
-//! | `e` | error of load cells and model at a probe, in standard errors | 0 +- 1 | constant within a cut, 0 +- 1 for the next one |
+//! | `c` | five of each probe: error of its motion by each load, in standard errors | 0 +- 1 | constant |
 //!
 //! A step is a difference of two blocks ([`blocks`](crate::blocks)) between which the loads have changed. Its residual at a probe is
-//! `r = y - (g + h) u`, by the measured motion `y` and the computed one `u`, with the slopes `(g + h) du/dl` by `l` and `d`, `u` by `g` and `h`,
-//! `(g + h)` times the motion across the probe by `a`. The variance of `r` is that of blocks and of solves.
+//! `r = y - (g + h) (u + s F c)`, by the measured motion `y`, the computed one `u`, the loads `F` and the motion `s` by a newton of their error.
+//! Its slopes are `(g + h) du/dl` by `l` and `d`, `u` by `g` and `h`, `(g + h)` times the motion across the probe by `a`, and `(g + h) s F` by
+//! `c`. Its variance is that of the blocks, and of a model that is not the spindle.
 //!
-//! Gains and cross-talk of the load cells make the same error in each step of a cut: 2 % of the load step, in any direction of force and of
-//! moment. So does the model: 1 % of `u`. Steps in one direction are of one cut. That error is a state, for as noise it would seem smaller with
-//! each of them.
+//! Load cells have gains, and each sees some of the other loads: 2 % of a load, in any direction. That makes the same error in each step of a
+//! cut, and again when its tool comes back. As noise it would seem smaller with each step. It is linear in the loads: so many states know all
+//! of it.
 //!
 //! `l` and `d` act alike, and so do `g` and `h`: they differ by what may change when. That makes the change honest where commissioning has
 //! left `l` uncertain.
@@ -91,19 +92,19 @@ pub struct Constants {
     pub preload: f32,
     /// Standard error of a probe's angle before the first step, rad: of a mount that was turned by eye.
     pub angle: f32,
-    /// Walk of `d` from step to step, once commissioned: 10 % in a thousand steps.
+    /// Walk of `d` from step to step, once commissioned: 13 % in a thousand steps.
     pub preload_walk: f32,
     /// Walk of `h`: 2 % in a thousand steps.
     pub gain_walk: f32,
-    /// Error of the model, part of the computed motion: the same in each step of a cut.
+    /// Error of the model, part of the motion by the loads: of supports and contacts that are not the file's.
     pub model: f32,
-    /// Error of a step besides, part of the computed motion: of solves and of what lies between them.
-    pub step: f32,
-    /// Least standard error of `l`, `g` and `a`: single precision, and a spindle that no step shows to the end.
+    /// Least standard error of `l`, `g` and `a`: no model is the spindle, however many steps there are.
     pub least: f32,
+    /// Least standard error of `c`: compliances are not the same at all speeds and loads.
+    pub least_load: f32,
     /// Squared residual of a step, per probe, beyond which it is surplus: noise is not the same at all speeds.
     pub expected: f32,
-    /// Part of the sum of surplus residuals that a new cut leaves of it.
+    /// Part of the sum of surplus residuals that a step leaves of it.
     pub kept: f32,
     /// That sum, per probe, which is a surprise: something has changed at once.
     pub surprise: f32,
@@ -111,7 +112,7 @@ pub struct Constants {
     pub opens: [f32; 2],
     /// Normalised residual, squared, per probe, beyond which a step is left out beside calm ones: coolant, a blow.
     pub outlier: f32,
-    /// So many of them in a row, which are alike, are a change, and count.
+    /// So many of them in a row are a change, and count.
     pub outliers: u8,
     /// Mean of the squared residuals, per probe, at which the model explains the steps no more, and at which it does again.
     pub unexplained: [f32; 2],
@@ -133,6 +134,8 @@ pub struct Constants {
     pub errors: [f32; 2],
     /// Change of the estimate, of ln preload and rad, that the solves are told.
     pub fed: f32,
+    /// Angle by which a probe turns out to be off its slopes, rad, so that learning begins again from there.
+    pub turned: f32,
 }
 
 impl Constants {
@@ -140,16 +143,16 @@ impl Constants {
     pub const USUAL: Self = Self {
         preload: 0.3,
         angle: 0.2,
-        preload_walk: 0.003,
+        preload_walk: 0.004,
         gain_walk: 0.0007,
         model: 0.01,
-        step: 0.003,
-        least: 1e-3,
-        expected: 1.5,
-        kept: 0.7,
-        surprise: 8.0,
+        least: 0.01,
+        least_load: 0.3,
+        expected: 2.0,
+        kept: 0.9,
+        surprise: 5.0,
         opens: [0.15, 0.03],
-        outlier: 6.0,
+        outlier: 25.0,
         outliers: 2,
         unexplained: [3.0, 2.0],
         mean_of: 20.0,
@@ -157,10 +160,11 @@ impl Constants {
         known: [0.03, 0.02],
         enters: 6,
         ratio: [0.2, 5.0],
-        ratio_kept: 0.95,
+        ratio_kept: 0.99,
         wrong: 3,
         errors: [3.0, 4.0],
         fed: 0.01,
+        turned: 0.1,
     };
 }
 
@@ -177,8 +181,6 @@ pub struct Motion {
     pub by_preload: f32,
     /// Variance of the measured motion, um^2.
     pub noise: f32,
-    /// Motion by a standard error of the load cells, negative where the loads of the cut fall.
-    pub by_load: f32,
 }
 
 /// A load step.
@@ -186,8 +188,8 @@ pub struct Motion {
 pub struct Step<const P: usize> {
     /// The motion at each probe that has readings.
     pub motions: [Option<Motion>; P],
-    /// Its loads are of another direction than those of the step before.
-    pub begins_cut: bool,
+    /// Change of the loads, N; moments as forces at 50 mm.
+    pub load: [f32; LOADS],
 }
 
 /// A number with its standard error.
@@ -200,19 +202,24 @@ pub struct Estimate {
     pub error: f32,
 }
 
+/// Loads.
+const LOADS: usize = 5;
+/// States of a probe: `g`, `h`, `a`, and `c` of each load.
+const OF_PROBE: usize = 3 + LOADS;
+
 /// A number for each state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct States<const P: usize> {
     /// Of `l` and `d`.
     preload: [f32; 2],
-    /// Of `g`, `h`, `a` and `e` of each probe.
-    probes: [[f32; 4]; P],
+    /// Of `g`, `h`, `a` and the five `c` of each probe.
+    probes: [[f32; OF_PROBE]; P],
 }
 
 impl<const P: usize> States<P> {
     const ZERO: Self = Self {
         preload: [0.0; 2],
-        probes: [[0.0; 4]; P],
+        probes: [[0.0; OF_PROBE]; P],
     };
 
     /// Adds a multiple of others.
@@ -234,10 +241,14 @@ fn add(to: &mut [f32], factor: f32, of: &[f32]) {
     }
 }
 
-/// Slopes of a residual: by `l` and `d`, and by `g`, `h`, `a`, `e` of its probe.
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Slopes of a residual: by `l` and `d`, and by the states of its probe.
 struct Slopes {
     preload: f32,
-    probe: [f32; 4],
+    probe: [f32; OF_PROBE],
 }
 
 impl Slopes {
@@ -245,8 +256,7 @@ impl Slopes {
     #[inline(never)]
     fn of<const P: usize>(&self, probe: usize, states: &States<P>) -> f32 {
         let [l, d] = states.preload;
-        let products = self.probe.iter().zip(&states.probes[probe]);
-        self.preload * (l + d) + products.map(|(a, b)| a * b).sum::<f32>()
+        self.preload * (l + d) + dot(&self.probe, &states.probes[probe])
     }
 }
 
@@ -255,7 +265,7 @@ impl Slopes {
 struct Filter<const P: usize> {
     mean: States<P>,
     preload: [States<P>; 2],
-    probes: [[States<P>; 4]; P],
+    probes: [[States<P>; OF_PROBE]; P],
 }
 
 impl<const P: usize> Filter<P> {
@@ -263,15 +273,17 @@ impl<const P: usize> Filter<P> {
         let mut filter = Self {
             mean: States::ZERO,
             preload: [States::ZERO; 2],
-            probes: [[States::ZERO; 4]; P],
+            probes: [[States::ZERO; OF_PROBE]; P],
         };
         filter.preload[0].preload[0] = preload * preload;
         for probe in 0..P {
             filter.mean.probes[probe][0] = 1.0;
             filter.probes[probe][0].probes[probe][0] = gain * gain;
             filter.probes[probe][2].probes[probe][2] = angle * angle;
+            for c in 3..OF_PROBE {
+                filter.probes[probe][c].probes[probe][c] = 1.0;
+            }
         }
-        filter.begin_cut();
         filter
     }
 
@@ -280,20 +292,6 @@ impl<const P: usize> Filter<P> {
         self.preload[1].preload[1] += preload * preload;
         for (i, rows) in self.probes.iter_mut().enumerate() {
             rows[1].probes[i][1] += gain * gain;
-        }
-    }
-
-    /// Begins a cut, with an error of the load cells that is not known.
-    fn begin_cut(&mut self) {
-        let rows = self.probes.as_flattened_mut();
-        for row in self.preload.iter_mut().chain(rows).chain([&mut self.mean]) {
-            for [_, _, _, e] in &mut row.probes {
-                *e = 0.0;
-            }
-        }
-        for (i, [_, _, _, e]) in self.probes.iter_mut().enumerate() {
-            *e = States::ZERO;
-            e.probes[i][3] = 1.0;
         }
     }
 
@@ -325,11 +323,12 @@ impl<const P: usize> Filter<P> {
     }
 
     /// Keeps the variances of states that are known in part, but for changes, from falling below the least one, and all from below 0.
-    fn hold(&mut self, least: f32) {
+    fn hold(&mut self, least: f32, least_load: f32) {
         let hold = |state: usize, variance: &mut f32| {
             let least = match state {
                 1 => 0.0,
                 _ if *variance == 0.0 => 0.0,
+                3.. => least_load * least_load,
                 _ => least * least,
             };
             *variance = variance.max(least);
@@ -385,10 +384,9 @@ pub struct Estimator<const P: usize> {
     /// Steps since the prior, and whether it is commissioned.
     steps: u32,
     commissioned: bool,
-    /// Sum of surplus residuals, outliers in a row, the last one's probe and part, mean of the residuals and whether that is too large.
+    /// Sum of surplus residuals, outliers in a row, mean of the residuals and whether that is too large.
     surplus: f32,
     outliers: u8,
-    worst: (usize, f32),
     mean: f32,
     unexplained: bool,
     /// ln preload and angles that the solves were told.
@@ -399,28 +397,31 @@ pub struct Estimator<const P: usize> {
 impl<const P: usize> Estimator<P> {
     /// Before the first step.
     pub fn new(settings: &'static ResponseSettings<P>, constants: &'static Constants) -> Self {
-        let preload = settings.preload.map_or(0.0, |_| constants.preload);
-        let mut filter = Filter::new(preload, settings.gain, constants.angle);
-        for (probe, [_, _, angle, _]) in settings.probes.iter().zip(&mut filter.probes) {
-            if probe.is_axial() {
-                *angle = States::ZERO;
-            }
-        }
         Self {
             settings,
             constants,
-            filter,
+            filter: Self::prior(settings, constants),
             follows: [Follows::default(); P],
             steps: 0,
             commissioned: false,
             surplus: 0.0,
             outliers: 0,
-            worst: (0, 0.0),
             mean: 1.0,
             unexplained: false,
             fed: 0.0,
             fed_angles: [0.0; P],
         }
+    }
+
+    fn prior(settings: &ResponseSettings<P>, constants: &Constants) -> Filter<P> {
+        let preload = settings.preload.map_or(0.0, |_| constants.preload);
+        let mut filter = Filter::new(preload, settings.gain, constants.angle);
+        for (probe, [_, _, angle, ..]) in settings.probes.iter().zip(&mut filter.probes) {
+            if probe.is_axial() {
+                *angle = States::ZERO;
+            }
+        }
+        filter
     }
 
     /// Its constants.
@@ -434,10 +435,7 @@ impl<const P: usize> Estimator<P> {
         let mut step = *step;
         for probe in 0..P {
             let motion = step.motions[probe];
-            step.motions[probe] = motion.filter(|motion| self.admits(probe, motion));
-        }
-        if step.begins_cut {
-            self.filter.begin_cut();
+            step.motions[probe] = motion.filter(|motion| self.admits(probe, motion, &step.load));
         }
         let count = step.motions.iter().flatten().count() as f32;
         if count == 0.0 {
@@ -448,33 +446,32 @@ impl<const P: usize> Estimator<P> {
         if self.commissioned {
             self.open([c.preload_walk, c.gain_walk]);
         }
-        let (mut filter, square, worst) = self.updated(&step);
+        let (filter, square) = self.updated(&step);
         if !square.is_finite() {
             return;
         }
         if square <= c.outlier * count {
             self.outliers = 0;
-        } else if !self.is_change(worst) {
-            return;
-        }
-        if self.commissioned {
-            if step.begins_cut {
-                self.surplus *= c.kept;
+        } else {
+            self.outliers = (self.outliers + 1).min(c.outliers);
+            if self.outliers < c.outliers {
+                return;
             }
-            self.surplus = (self.surplus + square / count - c.expected).max(0.0);
+        }
+        self.filter = filter;
+        self.filter.hold(c.least, c.least_load);
+        self.limit();
+        if self.commissioned {
+            self.surplus = (c.kept * self.surplus + square / count - c.expected).max(0.0);
             if self.surplus > c.surprise {
                 self.surplus = 0.0;
                 self.open(c.opens);
-                (filter, ..) = self.updated(&step);
             }
         }
         self.mean += ((square / count).min(c.outlier) - self.mean) / c.mean_of;
         let [begins, ends] = c.unexplained;
         let limit = if self.unexplained { ends } else { begins };
         self.unexplained = self.mean > limit;
-        filter.hold(c.least);
-        self.filter = filter;
-        self.limit();
         if may_commission && self.steps >= c.steps {
             self.commissioned |= self.is_known();
         }
@@ -482,8 +479,15 @@ impl<const P: usize> Estimator<P> {
 
     /// Whether a probe follows the loads, by this step too: then it may count.
     #[inline(never)]
-    fn admits(&mut self, probe: usize, motion: &Motion) -> bool {
+    fn admits(&mut self, probe: usize, motion: &Motion, load: &[f32; LOADS]) -> bool {
         let (c, gain) = (self.constants, self.gain(probe).value);
+        // Before commissioning the ratio is that of the file.
+        let by_preload = match self.commissioned {
+            true => motion.by_preload * self.preload().error,
+            false => 0.0,
+        };
+        let by_load = self.settings.load_error * self.settings.probes[probe].compliance;
+        let by_load = by_load * by_load * dot(load, load);
         let by_angle =
             self.filter.probes[probe][2].probes[probe][2] * motion.across * motion.across;
         let follows = &mut self.follows[probe];
@@ -496,7 +500,7 @@ impl<const P: usize> Estimator<P> {
             c.ratio_kept * follows.pp + p * p,
         );
         let noise =
-            c.errors[0] * sqrt_f32(motion.noise + motion.by_load * motion.by_load + by_angle);
+            c.errors[0] * sqrt_f32(motion.noise + by_load + by_angle + by_preload * by_preload);
         let [least, most] = c.ratio;
         let (least, most) = match self.commissioned {
             true => (least * gain * p, f32::INFINITY),
@@ -515,51 +519,34 @@ impl<const P: usize> Estimator<P> {
         !is_off && follows.good > c.enters && follows.wrong == 0
     }
 
-    /// Whether an outlier counts: the last ones in a row were at the same probe, which moved as much too far or too little.
-    fn is_change(&mut self, worst: (usize, f32)) -> bool {
-        let ((probe, off), (last, before)) = (worst, self.worst);
-        let is_alike = probe == last && (off - before).abs() < 0.5 * off.abs().max(before.abs());
-        self.worst = worst;
-        self.outliers = if is_alike {
-            (self.outliers + 1).min(self.constants.outliers)
-        } else {
-            1
-        };
-        self.outliers >= self.constants.outliers
-    }
-
-    /// The filter after a step, its squared residual, and the probe that is off most, with the part of its motion by which it is.
-    fn updated(&self, step: &Step<P>) -> (Filter<P>, f32, (usize, f32)) {
+    /// The filter after a step, and its squared residual.
+    fn updated(&self, step: &Step<P>) -> (Filter<P>, f32) {
         let (mut filter, mut square) = (self.filter, 0.0);
-        let (mut most, mut worst) = (0.0, (0, 0.0));
         let [l, d] = self.filter.mean.preload;
         for (probe, motion) in step.motions.iter().enumerate() {
             let Some(motion) = motion else { continue };
-            let [g, h, a, _] = self.filter.mean.probes[probe];
+            let [g, h, a, ..] = self.filter.mean.probes[probe];
             // Slopes are those before the step, whichever probe comes first.
             let u = motion.computed
                 + motion.by_preload * (l + d - self.fed)
                 + motion.across * (a - self.fed_angles[probe]);
             let gain = g + h;
-            let (by_model, by_load) = (self.constants.model * u, motion.by_load);
-            let of_cut = sqrt_f32(by_load * by_load + by_model * by_model).copysign(by_load);
+            let compliance = self.settings.probes[probe].compliance;
+            let by_load = gain * self.settings.load_error * compliance;
+            let [x, y, z, my, mz] = step.load.map(|load| by_load * load);
             let slopes = Slopes {
                 preload: gain * motion.by_preload,
-                probe: [u, u, gain * motion.across, gain * of_cut],
+                probe: [u, u, gain * motion.across, x, y, z, my, mz],
             };
+            let of_load = dot(&slopes.probe[3..], &self.filter.mean.probes[probe][3..]);
             // The other probes of this step have moved the states already.
             let moved = slopes.of(probe, &filter.mean) - slopes.of(probe, &self.filter.mean);
-            let of_cut = slopes.probe[3] * self.filter.mean.probes[probe][3];
-            let residual = motion.measured - gain * u - of_cut - moved;
-            let of_step = self.constants.step * u;
-            let variance = motion.noise + of_step * of_step;
-            let of_probe = filter.update(probe, &slopes, residual, variance);
-            square += of_probe;
-            if of_probe > most {
-                (most, worst) = (of_probe, (probe, motion.measured / motion.computed - gain));
-            }
+            let residual = motion.measured - gain * u - of_load - moved;
+            let of_model = self.constants.model * compliance;
+            let variance = motion.noise + of_model * of_model * dot(&step.load, &step.load);
+            square += filter.update(probe, &slopes, residual, variance);
         }
-        (filter, square, worst)
+        (filter, square)
     }
 
     /// Opens the changes of preload, if there is one, and of gains by these standard errors.
@@ -604,9 +591,17 @@ impl<const P: usize> Estimator<P> {
         let law = self.settings.preload.filter(PreloadLaw::is_told);
         let preload = law.map_or(0.0, |_| self.preload().value);
         let moved = |now: f32, then: f32| (now - then).abs() > self.constants.fed;
-        let angles = self.filter.mean.probes.map(|[_, _, a, _]| a);
-        let mut all = angles.iter().zip(&self.fed_angles);
-        let feeds = moved(preload, self.fed) || all.any(|(now, then)| moved(*now, *then));
+        let angles = self.filter.mean.probes.map(|[_, _, a, ..]| a);
+        let all = angles.iter().zip(&self.fed_angles);
+        let turned = all.fold(0.0, |most: f32, (now, then)| most.max((now - then).abs()));
+        let feeds = moved(preload, self.fed) || moved(turned, 0.0);
+        // Steps so far were taken at slopes of another angle: they do not bind the states.
+        if !self.commissioned && turned > self.constants.turned {
+            let mean =
+                core::mem::replace(&mut self.filter, Self::prior(self.settings, self.constants))
+                    .mean;
+            self.filter.mean = mean;
+        }
         if feeds {
             (self.fed, self.fed_angles) = (preload, angles);
         }
@@ -658,7 +653,9 @@ impl<const P: usize> Estimator<P> {
     pub fn preload(&self) -> Estimate {
         let [l, d] = self.filter.mean.preload;
         let [of_l, of_d] = &self.filter.preload;
-        sum([l, d], [of_l.preload[0], of_d.preload[1], of_l.preload[1]])
+        let of_model = self.constants.least * self.constants.least;
+        let [ll, dd, ld] = [of_l.preload[0], of_d.preload[1], of_l.preload[1]];
+        sum([l, d], [ll + of_model, dd, ld])
     }
 
     /// Change of ln preload since commissioning.

@@ -160,7 +160,7 @@ mod tests {
             position: -0.01,
             direction: [0.0, 1.0, 0.0],
             accuracy: 0.2,
-            compliance: [0.05, 0.5],
+            compliance: 0.05,
         }],
         preload: None,
         heat: 0.0,
@@ -217,5 +217,36 @@ mod tests {
             }
             assert_eq!(steps, 7.0 * share, "{ticks} ticks a solve");
         }
+    }
+
+    /// A hundredth of all ticks is under a blow of coolant, besides runout.
+    #[test]
+    fn blocks_that_coolant_hits_bring_no_step() {
+        let mut pairs = Pairs::<1>::default();
+        let mut blocks = Blocks::new(&SETTINGS, 1000.0);
+        let (mut steps, mut hit) = (0, 0);
+        for tick in 0..20_000_u64 {
+            let cut = if tick % 1000 < 500 { 270.0 } else { 0.0 };
+            let load = [0.0, cut, 0.0, 0.0, 0.0];
+            let blow = if tick % 1930 > 1900 { 40.0 } else { 0.0 };
+            let runout = 3.0 * (core::f32::consts::TAU * 0.2 * (tick % 5) as f32).sin();
+            pairs.solved(tick, &load, [0.05 * cut]);
+            let readings = TickReadings {
+                rpm: 12_000.0,
+                load,
+                measured: [0.06 * cut + runout + blow],
+            };
+            if tick % 10 == 0 {
+                blocks.look(&[Look::default()]);
+            }
+            if let Some(step) = pairs.tick(tick, readings, &mut blocks).flatten() {
+                let [Some(motion)] = step.motions else {
+                    continue;
+                };
+                steps += 1;
+                hit += u32::from((motion.measured / motion.computed - 1.2).abs() > 0.01);
+            }
+        }
+        assert!(steps > 25 && hit == 0, "{steps}, {hit} of them hit");
     }
 }

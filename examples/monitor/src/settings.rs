@@ -140,8 +140,9 @@ pub struct ProbeSettings {
     pub direction: [f32; 3],
     /// Accuracy of a reading, um.
     pub accuracy: f32,
-    /// Largest displacement that it sees by a force (um/N) and by a moment (um/(N m)) where loads are measured.
-    pub compliance: [f32; 2],
+    /// Displacement that it sees by a newton of each load, moments as forces at 50 mm, where loads are measured: the root of the sum of their
+    /// squares, um/N.
+    pub compliance: f32,
 }
 
 impl ProbeSettings {
@@ -207,8 +208,7 @@ impl<const P: usize> ResponseSettings<P> {
             positions &= probe.position.is_finite();
             directions &= square > 0.999 && square < 1.001;
             accuracies &= positive(probe.accuracy);
-            let [by_force, by_moment] = probe.compliance;
-            compliances &= amount(by_force) && amount(by_moment);
+            compliances &= amount(probe.compliance);
             i += 1;
         }
         let law = match &self.preload {
@@ -573,7 +573,7 @@ mod tests {
                 position: -0.01,
                 direction: [0.0, 0.6, -0.8],
                 accuracy: 0.2,
-                compliance: [0.02, 0.4],
+                compliance: 0.03,
             }],
             preload: Some(PreloadLaw {
                 force: 250.0,
@@ -590,10 +590,7 @@ mod tests {
             (|s| s.probes[0].position = f32::NAN, "probes.position"),
             (|s| s.probes[0].direction = [0.0; 3], "probes.direction"),
             (|s| s.probes[0].accuracy = 0.0, "probes.accuracy"),
-            (
-                |s| s.probes[0].compliance = [0.0, f32::NAN],
-                "probes.compliance",
-            ),
+            (|s| s.probes[0].compliance = f32::NAN, "probes.compliance"),
             (
                 |s| {
                     s.preload = Some(PreloadLaw {

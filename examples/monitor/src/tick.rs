@@ -59,7 +59,7 @@ pub struct CycleCost {
     pub probe: u32,
     /// A ball where slopes at the probes are taken of an equilibrium.
     pub ball_slopes: u32,
-    /// A load step at the probes, over the square of their states and their number.
+    /// A load step at the probes, over the product of their number and that of the states.
     pub filter: u32,
 }
 
@@ -101,10 +101,10 @@ impl CycleCost {
         if probes == 0 {
             return self;
         }
-        let (probes, states) = (probes as u32, 2 + 4 * probes as u32);
+        let (probes, states) = (probes as u32, 2 + 8 * probes as u32);
         Self {
             tick: self.tick.saturating_add(self.probe.saturating_mul(probes)),
-            filter: self.filter.saturating_mul(probes * states * states),
+            filter: self.filter.saturating_mul(probes * states),
             ..self
         }
     }
@@ -311,13 +311,20 @@ impl TickSettings {
         solve <= left && open.saturating_add(look) <= left && report <= left
     }
 
-    /// Whether a tick has the time for slopes and load steps of the probes of such a spindle, too.
+    /// Whether a tick has the time for slopes of the probes of such a spindle, too, and for a load step besides the row of a solve.
     pub const fn has_time_for_probes(&self, rows: usize, balls: usize) -> bool {
-        let SpindleCost { slopes, filter, .. } =
-            self.cost
-                .of(rows as u32, (rows * balls) as u32, balls as u32);
+        let SpindleCost {
+            row,
+            step,
+            slopes,
+            filter,
+            ..
+        } = self
+            .cost
+            .of(rows as u32, (rows * balls) as u32, balls as u32);
         let left = self.deadline_cycles.saturating_sub(self.cost.tick);
-        slopes <= left && filter <= left
+        let solve = step.saturating_add(row);
+        slopes <= left && filter.saturating_add(solve) <= left
     }
 }
 
@@ -478,7 +485,7 @@ mod tests {
             ball_report: 1000,
             probe: 0,
             ball_slopes: 500,
-            filter: 60,
+            filter: 740,
         },
     };
 

@@ -9,7 +9,7 @@ const fn probe(direction: [f32; 3]) -> ProbeSettings {
         position: -0.01,
         direction,
         accuracy: 0.2,
-        compliance: [0.03, 0.3],
+        compliance: 0.03,
     }
 }
 
@@ -82,12 +82,11 @@ impl Truth {
                 across: [0.0, across][i],
                 by_preload: slopes[i],
                 noise: 0.03 * 0.03,
-                by_load: 0.02,
             })
         });
         Step {
             motions,
-            begins_cut: true,
+            load: [x, y, z, 0.0, 0.0],
         }
     }
 
@@ -228,17 +227,17 @@ fn no_motion_spoils_it() {
     for _ in 0..2000 {
         let mut step = truth.step(&estimator);
         for motion in step.motions.iter_mut().flatten() {
-            let any = [0; 6].map(|_| 10_f32.powf(20.0 * truth.random()) * truth.random());
-            let [measured, computed, across, by_preload, noise, by_load] = any;
+            let any = [0; 5].map(|_| 10_f32.powf(20.0 * truth.random()) * truth.random());
+            let [measured, computed, across, by_preload, noise] = any;
             *motion = Motion {
                 measured,
                 computed,
                 across,
                 by_preload,
                 noise: noise.abs(),
-                by_load,
             };
         }
+        step.load = [0; 5].map(|_| 10_f32.powf(20.0 * truth.random()) * truth.random());
         estimator.take(&step, true);
         estimator.feed();
         let all = [

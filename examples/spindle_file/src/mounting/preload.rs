@@ -44,8 +44,9 @@ pub fn response<const P: usize>(
     })
 }
 
-/// Largest displacement at each probe by a force (um/N) and by a moment (um/(N m)) where loads are measured, of the idling spindle at rest.
-fn compliances(file: &SpindleFile) -> Result<Vec<[f32; 2]>, BuildError> {
+/// Displacement at each probe by a newton of each load, a moment as a force at 50 mm, where loads are measured: the root of the sum of their
+/// squares, um/N. Of the idling spindle at rest.
+fn compliances(file: &SpindleFile) -> Result<Vec<f32>, BuildError> {
     let plan = closed(&file.plan)?;
     let parts = Parts::<f64>::of(&plan)?;
     let spindle = parts.spindle(&plan)?;
@@ -68,7 +69,8 @@ fn compliances(file: &SpindleFile) -> Result<Vec<[f32; 2]>, BuildError> {
         let arm = -place;
         let [x, y, z, my, mz] = from_fn(sees);
         let [y, z] = [y + arm * mz, z - arm * my];
-        [(x * x + y * y + z * z).sqrt(), my.hypot(mz)].map(|c| (1e6 * c) as f32)
+        let [my, mz] = [0.05 * my, 0.05 * mz];
+        (1e6 * (x * x + y * y + z * z + my * my + mz * mz).sqrt()) as f32
     };
     Ok(file.probes.iter().map(of_probe).collect())
 }

@@ -134,9 +134,9 @@ fn accuracies_are_the_files() {
     let usual = settings(&text);
     assert_eq!((usual.heat, usual.load_error, usual.gain), (0.0, 0.02, 0.1));
     assert_eq!(usual.probes[0].accuracy, 0.3);
-    let [by_force, by_moment] = usual.probes[0].compliance;
     // Some 100 N/um at the nose.
-    assert!(by_force > 0.005 && by_force < 0.1 && by_moment > 0.05 && by_moment < 2.0);
+    let compliance = usual.probes[0].compliance;
+    assert!(compliance > 0.005 && compliance < 0.1, "{compliance}");
     let warm = settings(&pair("preload_n = 250\n", "", HEAT));
     assert_eq!(warm.heat, 0.3);
     let PreloadBy::Closure { rows, heat, .. } = warm.preload.unwrap().by else {

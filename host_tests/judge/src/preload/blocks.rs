@@ -1,6 +1,6 @@
 //! A run by load steps, as blocks make them.
 
-use crate::preload::spindles::{Cut, PROBES, SPEEDS, Used, normal};
+use crate::preload::spindles::{ARM, Cut, PROBES, SPEEDS, Used, normal};
 use crate::preload::{DRIFT, Found, NOISE, RATE, RUNOUT, Row, STEPS};
 use cli::random::Random;
 use spindle_monitor::Probes;
@@ -19,6 +19,9 @@ const LONGEST: usize = 5000;
 /// Steps from commissioning to a change, and after it.
 const BEFORE: usize = 400;
 const AFTER: usize = 600;
+
+/// A block's step moves a probe by so many standard deviations.
+const SEEN: f32 = 5.0;
 
 /// Pairs of a block at a speed, and what is left of runout in its mean, um.
 fn block(rpm: f64) -> (f64, f64) {
@@ -43,7 +46,6 @@ pub fn run(used: &mut Used, row: &Row, constants: &'static Constants, mut random
     let mut probes = Probes::with_constants(filed.settings, &filed.limits, 1000, constants);
     let mut judgement = Judgement::default();
     let mut cut = Cut::of(&mut random);
-    let mut tool_before = None;
     let is_sound = row.what.is_always();
     let lost = random.below(8 * HOUR) + HOUR;
     for step in 0.. {
@@ -77,36 +79,25 @@ pub fn run(used: &mut Used, row: &Row, constants: &'static Constants, mut random
         let angles = from_fn(|i| estimator.fed_angle(i).into());
         let computed = used.computed(cut, estimator.fed_preload().into(), angles);
         let [x, y, z, my, mz] = used.load(cut);
-        let [force, moment] = [(x * x + y * y + z * z).sqrt(), my.hypot(mz)];
+        let load = [x, y, z, my / ARM, mz / ARM].map(|load| (sign * load) as f32);
         let (pairs, left) = blocks[cut.speed];
         let motions: [_; PROBES] = from_fn(|i| {
             let noise = (2.0 / pairs).sqrt() * NOISE * normal(&mut random)
                 + left * (random.between(0.0, TAU).sin() - random.between(0.0, TAU).sin())
                 + TIME * DRIFT;
             let [along, across, by_preload] = computed[i].map(|u| (sign * u) as f32);
-            let [by_force, by_moment] = filed.settings.probes[i].compliance.map(f64::from);
-            let by_load =
-                f64::from(filed.settings.load_error) * (by_force * force).hypot(by_moment * moment);
             let motion = Motion {
                 measured: (sign * measured[i] + noise) as f32,
                 computed: along,
                 across,
                 by_preload,
                 noise: variance,
-                by_load: (sign * by_load) as f32,
             };
-            row.only.is_none_or(|only| only == i).then_some(motion)
+            let is_seen = along * along > SEEN * SEEN * variance;
+            (is_seen && row.only.is_none_or(|only| only == i)).then_some(motion)
         });
-        let begins_cut = tool_before.replace(cut.tool) != Some(cut.tool);
         let (time_us, mut levels) = ((1e6 * TIME) as u64 * step as u64, Levels::default());
-        probes.step(
-            time_us,
-            Step {
-                motions,
-                begins_cut,
-            },
-            &mut levels,
-        );
+        probes.step(time_us, Step { motions, load }, &mut levels);
         let after = changed.or(found.commissioned).map(|from| step + 1 - from);
         for change in &judgement.judge(time_us, &levels, &filed.limits, |_| 2_000_000) {
             if change.change == AlarmChange::Raised {

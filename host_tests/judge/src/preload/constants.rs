@@ -41,7 +41,7 @@ macro_rules! list {
 }
 
 list! {
-    preload angle preload_walk gain_walk model step least expected kept surprise outlier outliers mean_of steps enters ratio_kept wrong fed;
+    preload angle preload_walk gain_walk model least least_load expected kept surprise outlier outliers mean_of steps enters ratio_kept wrong fed turned;
     opens unexplained known ratio errors
 }
 

@@ -28,7 +28,7 @@ pub const SPEEDS: [f64; 5] = [6300.0, 9300.0, 11_700.0, 14_300.0, 17_700.0];
 /// Depths of a cut, over the one that its tool's forces are for.
 const DEPTHS: [f64; 2] = [0.36, 1.43];
 /// A moment counts as a force so far away, m.
-const ARM: f64 = 0.05;
+pub const ARM: f64 = 0.05;
 /// Wander of temperatures, K, and the time that it takes, s.
 const WANDER: f64 = 0.1;
 const WANDERS: f64 = 600.0;
