@@ -24,7 +24,7 @@ pub fn run<B: Board>(mut board: Started<B>) -> ! {
         assert!(
             B::MONITOR.tick.has_time(ROWS, BALLS)
                 && (PROBES == 0 || B::MONITOR.tick.has_time_for_probes(ROWS, BALLS)),
-            "a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls"
+            "a tick has no time for a part of a solve: give a longer period_ms under [monitor], or fewer balls or probes"
         );
     }
     defmt::info!(

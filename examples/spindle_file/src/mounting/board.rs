@@ -67,8 +67,8 @@ fn check(file: &SpindleFile, plan: &Plan, core: Option<Core>) -> Result<(), Buil
             && (file.probes.is_empty() || settings.tick.has_time_for_probes(rows, most.into())))
     {
         return error(format!(
-            "a tick of {} ms on the {chip} has no time for parts of a solve with {rows} rows of {most} balls: give a longer `period_ms` \
-             in [monitor]",
+            "a tick of {} ms on the {chip} has no time for parts of a solve with {rows} rows of {most} balls, or of its probes: \
+             give a longer `period_ms` in [monitor], or fewer probes",
             f64::from(settings.tick.period_us) / 1e3
         ));
     }
