@@ -160,7 +160,7 @@ impl Constants {
         known: [0.03, 0.02],
         enters: 6,
         ratio: [0.2, 5.0],
-        ratio_kept: 0.99,
+        ratio_kept: 0.95,
         wrong: 3,
         errors: [3.0, 4.0],
         fed: 0.01,
@@ -459,7 +459,9 @@ impl<const P: usize> Estimator<P> {
             }
         }
         self.filter = filter;
-        self.filter.hold(c.least, c.least_load);
+        // A change is that of `d` and `h`: what was commissioned stays.
+        let least = if self.commissioned { 0.1 } else { 1.0 } * c.least;
+        self.filter.hold(least, c.least_load);
         self.limit();
         if self.commissioned {
             self.surplus = (c.kept * self.surplus + square / count - c.expected).max(0.0);

@@ -9,7 +9,7 @@ const fn probe(direction: [f32; 3]) -> ProbeSettings {
         position: -0.01,
         direction,
         accuracy: 0.2,
-        compliance: 0.03,
+        compliance: 0.3,
     }
 }
 
@@ -161,7 +161,10 @@ fn a_change_is_told_from_one_of_a_gain() {
         ..Truth::SOUND
     };
     let mut estimator = taught();
+    // At first the error of the load cells takes a part of it.
     soft.teach(&mut estimator, 60);
+    assert!(estimator.gain_change(1).value > 0.06);
+    soft.teach(&mut estimator, 240);
     assert_within(estimator.gain_change(1), 0.1, 0.02);
     assert!(estimator.preload_change().value.abs() < 0.03);
     // An order makes it the one to compare with.
