@@ -19,7 +19,7 @@ use spindle_monitor::{Alarm, Marks, Readings};
 use std::array::from_fn;
 use std::io::Write;
 
-/// What the monitor of a board is asked.
+/// Questions to the monitor of a board.
 #[derive(Debug)]
 pub struct Watch<'w> {
     /// The spindle.
@@ -32,7 +32,7 @@ pub struct Watch<'w> {
     pub recording: &'w str,
 }
 
-/// What the monitor has seen besides its alarms, in a line each.
+/// Remarks of the monitor besides its alarms, in a line each.
 #[derive(Debug)]
 pub struct Seen {
     /// How the recording was brought to the rate of ticks.

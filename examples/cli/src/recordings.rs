@@ -70,7 +70,7 @@ fn time_of(row: &mut Result<LoadRow, LoadsError>) -> Option<&mut f64> {
     }
 }
 
-/// Records in memory, those of one time sharing the time to the next one; how many have, in one line.
+/// Divides the time to the next record among records of one time; says in a line how many there were.
 pub fn sharing_times(rows: Vec<LoadRow>) -> (Vec<LoadRow>, Option<String>) {
     let (mut rows, mut times) = (
         rows.into_iter(),
@@ -80,7 +80,7 @@ pub fn sharing_times(rows: Vec<LoadRow>) -> (Vec<LoadRow>, Option<String>) {
     (shared, times.account())
 }
 
-/// What a replay takes of a recording.
+/// The part of a recording that a replay takes.
 #[derive(Debug, Clone)]
 pub struct Wanted {
     /// Quantities that are needed, of [`OWN`].

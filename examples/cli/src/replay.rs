@@ -218,7 +218,7 @@ enum Figure {
     Copy(usize),
     /// Million revolutions or hours of all rows, in single precision; empty if there is no end of it.
     Life,
-    /// The same of one row.
+    /// Million revolutions or hours of one row, likewise.
     RowLife,
     /// A number of the answer, in the precision of the solve, by the column's index.
     Answer(fn(&Answer, usize) -> f64),

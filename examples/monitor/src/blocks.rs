@@ -25,7 +25,7 @@ const LEAST: f32 = 1e-6;
 /// Differences that a probe's accuracy counts as, where the variance begins.
 const PRIOR: f32 = 4.0;
 /// A moment counts as a force so far away, 1/m: 50 mm, as at a tool.
-const PER_ARM: f32 = 20.0;
+pub const PER_ARM: f32 = 20.0;
 /// No probe measures so far, um: sums of such numbers would not be finite.
 const FARTHEST: f32 = 1e6;
 
@@ -368,8 +368,4 @@ impl<const P: usize> Blocks<P> {
 /// Loads with their moments as forces.
 pub(crate) fn forces([x, y, z, my, mz]: &[f32; 5]) -> [f32; 5] {
     [*x, *y, *z, PER_ARM * my, PER_ARM * mz]
-}
-
-pub(crate) fn dot(a: &[f32; 5], b: &[f32; 5]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -9,9 +9,9 @@
 //! | `a` | angle of a radial probe less the file's, rad | 0 +- 0.2 | constant |
 //! | `c` | five of each probe: error of its motion by each load, in standard errors | 0 +- 1 | constant |
 //!
-//! A step is a difference of two blocks ([`blocks`](crate::blocks)) between which the loads have changed. Its residual at a probe is
-//! `r = y - (g + h) (u + s F c)`, by the measured motion `y`, the computed one `u`, the loads `F` and the motion `s` by a newton of their error.
-//! Its slopes are `(g + h) du/dl` by `l` and `d`, `u` by `g` and `h`, `(g + h)` times the motion across the probe by `a`, and `(g + h) s F` by
+//! Here a step is a difference of two blocks ([`blocks`](crate::blocks)) between which the loads have changed. Its residual at a probe is
+//! `r = y - (g + h) (u + s F c)`. There `y` is the measured motion, `u` the computed one, `F` the loads and `s` the motion by a newton of their
+//! error. Its slopes are `(g + h) du/dl` by `l` and `d`, `u` by `g` and `h`, `(g + h)` times the motion across the probe by `a`, and `(g + h) s F` by
 //! `c`. Its variance is that of the blocks, and of a model that is not the spindle.
 //!
 //! Load cells have gains, and each sees some of the other loads: 2 % of a load, in any direction. That makes the same error in each step of a
@@ -98,7 +98,7 @@ pub struct Constants {
     pub gain_walk: f32,
     /// Error of the model, part of the motion by the loads: of supports and contacts that are not the file's.
     pub model: f32,
-    /// Least standard error of `l`, `g` and `a`: no model is the spindle, however many steps there are.
+    /// Error of the preload that stays, however many steps there are: no model is the spindle.
     pub least: f32,
     /// Least standard error of `c`: compliances are not the same at all speeds and loads.
     pub least_load: f32,
@@ -204,6 +204,8 @@ pub struct Estimate {
 
 /// Loads.
 const LOADS: usize = 5;
+/// Variance of a state that single precision tells from 0.
+const ROUNDING: f32 = 1e-6;
 /// States of a probe: `g`, `h`, `a`, and `c` of each load.
 const OF_PROBE: usize = 3 + LOADS;
 
@@ -241,7 +243,7 @@ fn add(to: &mut [f32], factor: f32, of: &[f32]) {
     }
 }
 
-fn dot(a: &[f32], b: &[f32]) -> f32 {
+pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
@@ -322,14 +324,15 @@ impl<const P: usize> Filter<P> {
         residual * residual / total
     }
 
-    /// Keeps the variances of states that are known in part, but for changes, from falling below the least one, and all from below 0.
-    fn hold(&mut self, least: f32, least_load: f32) {
+    /// Keeps the variances of states that are known in part, but for changes, from falling below that of single precision, those of `c` below
+    /// the least one, and all from below 0.
+    fn hold(&mut self, least_load: f32) {
         let hold = |state: usize, variance: &mut f32| {
             let least = match state {
                 1 => 0.0,
                 _ if *variance == 0.0 => 0.0,
                 3.. => least_load * least_load,
-                _ => least * least,
+                _ => ROUNDING,
             };
             *variance = variance.max(least);
         };
@@ -459,9 +462,7 @@ impl<const P: usize> Estimator<P> {
             }
         }
         self.filter = filter;
-        // A change is that of `d` and `h`: what was commissioned stays.
-        let least = if self.commissioned { 0.1 } else { 1.0 } * c.least;
-        self.filter.hold(least, c.least_load);
+        self.filter.hold(c.least_load);
         self.limit();
         if self.commissioned {
             self.surplus = (c.kept * self.surplus + square / count - c.expected).max(0.0);

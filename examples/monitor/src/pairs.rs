@@ -11,8 +11,8 @@
 //! The changes `dp` and `dF` are those from the solve before. This is Broyden's update: between both loads, `p` is the chord of
 //! both equilibria.
 
-use crate::blocks::{Blocks, dot, forces};
-use crate::estimator::Step;
+use crate::blocks::{Blocks, forces};
+use crate::estimator::{Step, dot};
 use heapless::Deque;
 
 /// Ticks that wait: two solves of four ticks. Beyond, a tick has nothing computed.

@@ -5,6 +5,7 @@ use crate::designs::DesignFileError;
 use crate::plan::{BuildError, Plan};
 use crate::spindles::SpindleFile;
 use spindle_bearing::{Facing, Growth, Preload, Settings, Speed, Static};
+use spindle_monitor::blocks::PER_ARM;
 use spindle_monitor::preload::{NODES, POWERS, PreloadBy, PreloadLaw};
 use spindle_monitor::{ProbeSettings, ResponseSettings};
 use std::array::from_fn;
@@ -69,7 +70,7 @@ fn compliances(file: &SpindleFile) -> Result<Vec<f32>, BuildError> {
         let arm = -place;
         let [x, y, z, my, mz] = from_fn(sees);
         let [y, z] = [y + arm * mz, z - arm * my];
-        let [my, mz] = [0.05 * my, 0.05 * mz];
+        let [my, mz] = [my, mz].map(|c| c / f64::from(PER_ARM));
         (1e6 * (x * x + y * y + z * z + my * my + mz * mz).sqrt()) as f32
     };
     Ok(file.probes.iter().map(of_probe).collect())

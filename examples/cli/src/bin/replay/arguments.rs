@@ -137,7 +137,7 @@ pub struct Args {
     #[arg(long, value_name = "BALLS.csv")]
     pub balls: Option<PathBuf>,
 
-    /// Write the load, preload, least contact force, stiffness, motion, closure and life of every row of a spindle to this CSV file
+    /// Write each row of a spindle to this CSV file: load, preload, least contact force, stiffness, motion, closure, life
     #[arg(long, value_name = "ROWS.csv")]
     pub rows: Option<PathBuf>,
 
@@ -201,7 +201,7 @@ pub struct Probes {
     pub commission: Option<[f64; 2]>,
 }
 
-/// State of `--sensitivity` in the order of [`OWN`]: an option for each of its loads, the speed and the temperatures.
+/// State of `--sensitivity`, in the order of [`OWN`]. There is an option for each load, the speed and the temperatures.
 #[derive(Debug)]
 pub struct State(pub sensitivity::State);
 
