@@ -423,7 +423,7 @@ impl Wanted {
         format!(
             "\nType the header {due} above your columns in a spreadsheet, and save them as CSV. Or in Python, after \
              `import pandas`:\n  \
-             df = pandas.read_csv({file:?}{how})  # or read_excel\n  \
+             df = pandas.read_csv({file:?}{how})  # or as in docs/recordings.md\n  \
              df = pandas.DataFrame({{{columns}}})  # such as 1000 * df[\"Fx / kN\"], or a constant\n  \
              df.to_csv(\"loads.csv\", index=False)"
         )

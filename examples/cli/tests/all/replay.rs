@@ -685,7 +685,7 @@ fn another_file_is_refused_with_the_lines_that_make_a_recording() {
          column 4: `Fz`: the column `fz_n` is due, in N: rename it if it is in N, convert it, or leave it out\n\
          Type the header time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm above your columns in a spreadsheet, and save them as CSV. \
          Or in Python, after `import pandas`:\n  \
-         df = pandas.read_csv(\"other.csv\", sep=\";\", decimal=\",\")  # or read_excel\n  \
+         df = pandas.read_csv(\"other.csv\", sep=\";\", decimal=\",\")  # or as in docs/recordings.md\n  \
          df = pandas.DataFrame({\"time_s\": df[\"?\"], \"fx_n\": df[\"?\"], \"fy_n\": df[\"?\"], \"fz_n\": df[\"?\"], \
          \"my_nm\": df[\"?\"], \"mz_nm\": df[\"?\"], \"speed_rpm\": df[\"?\"]})  # such as 1000 * df[\"Fx / kN\"], or a constant\n  \
          df.to_csv(\"loads.csv\", index=False)\n"
