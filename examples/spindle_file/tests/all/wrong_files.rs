@@ -257,6 +257,27 @@ fn a_tick_is_held_against_the_core_that_it_is_for() {
     assert_eq!(refused(None), "accepted");
 }
 
+/// Probes share the time of a tick with the solves: an STM32F405 takes in a load step of two probes, and not of four.
+#[test]
+fn probes_are_held_against_the_core_that_they_are_for() {
+    let two = std::fs::read_to_string(format!("{SHIPPED}/../spindles/probed_pair.toml")).unwrap();
+    let more = ["left", "right"].map(|name| {
+        format!("[[probe]]\nname = \"{name}\"\nposition_mm = -5\nangle_deg = 90\naccuracy_um = 0.2\n\n")
+    });
+    let four = two.replacen("[[probe]]", &(more.concat() + "[[probe]]"), 1);
+    let spindles = Path::new(SHIPPED).join("../spindles");
+    let refused = |text: &str, core| {
+        let file = SpindleFile::parse("s.toml", text, &spindles);
+        refusal(board::plan(&file.unwrap(), Some(core)).map(|_| ()))
+    };
+    let words = "or of its probes: give a longer `period_ms` in [monitor], or fewer probes";
+    assert_eq!(refused(&two, Core::STM32F405), "accepted");
+    assert!(refused(&four, Core::STM32F405).contains(words));
+    assert_eq!(refused(&four, Core::STM32H743), "accepted");
+    let slower = four.replacen("[[probe]]", "[monitor]\nperiod_ms = 2\n\n[[probe]]", 1);
+    assert_eq!(refused(&slower, Core::STM32F405), "accepted");
+}
+
 /// A load that is too large for the bearings, a bearing's file with a monitor, a spring without anything to hold.
 #[test]
 fn a_refusal_of_the_solver_has_its_place() {
