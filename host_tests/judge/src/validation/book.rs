@@ -77,7 +77,6 @@ pub enum Table {
     HertzContacts,
     Spheres,
     Fits,
-    RossShafts,
     SpindleCad,
     Fag,
     Snfa,

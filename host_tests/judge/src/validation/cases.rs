@@ -3,7 +3,7 @@
 use super::beams;
 use super::book::{Chapter, Program, Run, Table, Values};
 use super::case::{Case, with, with_matrix};
-use crate::cases::{elastic, rad_per_s, reference};
+use crate::cases::{rad_per_s, reference};
 use crate::reference::{Reference, Task};
 use anyhow::{Context, anyhow};
 use rayon::prelude::*;
@@ -64,7 +64,6 @@ fn of_run(run: &Run) -> anyhow::Result<Vec<Case>> {
             Some(Table::HertzContacts) => Ok(vec![with_contact(case)]),
             Some(Table::Spheres) => Ok(vec![of_spheres(case)]),
             Some(Table::Fits) => Ok(vec![of_fits(case)]),
-            Some(Table::RossShafts) => Ok(vec![of_ross(case)?]),
             Some(Table::SpindleCad) => Ok(vec![of_spindle_cad(case)?]),
             Some(Table::Fag) => of_fag(run, case),
             Some(Table::GmnS60 | Table::Ntn | Table::Snfa | Table::Nsk) | None => {
@@ -89,7 +88,6 @@ fn given(run: &Run) -> anyhow::Result<Vec<Case>> {
         Some(Table::Nsk) => Some(include_str!("../../makers/nsk.csv")),
         Some(Table::EllipticIntegrals) => Some(include_str!("../../cases/elliptic_integrals.csv")),
         Some(Table::HertzContacts) => Some(include_str!("../../cases/hertz_contacts.csv")),
-        Some(Table::RossShafts) => Some(include_str!("../../cases/ross_shafts.csv")),
         Some(Table::Spheres | Table::Fits | Table::SpindleCad) | None => None,
     };
     let cases = match text {
@@ -275,17 +273,6 @@ fn bearing(run: &Run, case: &Case) -> anyhow::Result<(Design, usize, Option<Life
 fn with_equilibrium(case: Case, u: [f64; 5], k: [[f64; 5]; 5]) -> Case {
     let case = with(case, ["dx_m", "dy_m", "dz_m", "ty_rad", "tz_rad"], u);
     with_matrix(case, "k", k)
-}
-
-/// A set of `cases/elastic.json` that ROSS has found the flexibility of, with ours.
-fn of_ross(case: Case) -> anyhow::Result<Case> {
-    let set = &elastic()[case["set"] as usize];
-    let balls = set.attitude.into();
-    let answer = with_solver(&set.plan, balls, Precision::F64, |solver| {
-        solver.solve(&set.question)
-    })?;
-    let answer = answer.map_err(|status| anyhow!("{}: {status}", set.name))?;
-    Ok(with_matrix(case, "c_nose", answer.at[0].compliance))
 }
 
 /// SpindleCAD's lathe spindle with its third row at `third_row_mm`: stiffness at the nose (`x = 0`).

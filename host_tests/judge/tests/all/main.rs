@@ -14,7 +14,6 @@ mod edges;
 mod elastic;
 mod elastic_far;
 mod elastic_files;
-mod elastic_ross;
 mod given;
 mod growth;
 mod gyroscope;

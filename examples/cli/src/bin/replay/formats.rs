@@ -59,7 +59,7 @@ that were skipped, with the range of each quantity.
 A table, in place of LOADS.csv:
   cargo replay DESIGN.toml --table speed=0:20000:500 fx=500 fy=0:1000:250 >TABLE.csv
   cargo plot TABLE.csv --over speed
-It has the columns of the results. host_tests/judge/recipes/ross_bearing.py makes a bearing of ROSS of it.
+It has the columns of the results. docs/host.md makes a bearing of ROSS of such stiffness.
 
 Results, one row for each row of LOADS.csv, SI units:
   time_s          copied
