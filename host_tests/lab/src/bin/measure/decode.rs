@@ -1,10 +1,9 @@
 //! Instructions, as far as their timing goes.
 
+use crate::capstone::{Capstone, Named};
 use crate::timing::{Class, Timed};
-use anyhow::{Context, Result, anyhow, ensure};
-use capstone::RegId;
-use capstone::arch::arm::{ArchExtraMode, ArchMode, ArmOperandType};
-use capstone::prelude::*;
+use anyhow::{Context, Result, ensure};
+use libloading::Library;
 
 /// A disassembler that remembers nothing but its settings.
 pub struct Decoder {
@@ -33,99 +32,66 @@ fn bits(name: &str) -> u64 {
     }
 }
 
+/// Bits of all registers in a text.
+fn registers(text: &str) -> u64 {
+    let names = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+    names.fold(0, |all, name| all | bits(name))
+}
+
 impl Decoder {
     /// One for Thumb as of an Armv7E-M.
-    pub fn new() -> Result<Self> {
-        let capstone = Capstone::new()
-            .arm()
-            .mode(ArchMode::Thumb)
-            .extra_mode([ArchExtraMode::MClass].into_iter())
-            .detail(true)
-            .build()
-            .map_err(|e| anyhow!("the disassembler does not start: {e}"))?;
+    pub fn new(library: &'static Library) -> Result<Self> {
+        let capstone = Capstone::new(library)?;
         Ok(Self { capstone })
     }
 
     /// Decodes a block.
     pub fn block(&self, code: &[u8], address: u32) -> Result<Vec<Timed>> {
-        let instructions = self
-            .capstone
-            .disasm_all(code, address.into())
-            .map_err(|e| anyhow!("no instructions at {address:#x}: {e}"))?;
-        let length: usize = instructions.iter().map(|i| i.bytes().len()).sum();
+        let instructions = self.capstone.block(code, address)?;
+        let length: usize = instructions.iter().map(|i| i.size).sum();
         ensure!(
             length == code.len(),
             "the disassembler knows no instruction at {:#x}",
             address as usize + length
         );
-        instructions.iter().map(|i| self.timed(i)).collect()
+        instructions.iter().map(timed).collect()
     }
+}
 
-    fn timed(&self, instruction: &capstone::Insn<'_>) -> Result<Timed> {
-        let mnemonic = instruction
-            .mnemonic()
-            .context("an instruction without name")?;
-        let detail = self
-            .capstone
-            .insn_detail(instruction)
-            .map_err(|e| anyhow!("{mnemonic}: {e}"))?;
-        let name = |register: RegId| self.capstone.reg_name(register).unwrap_or_default();
-        let of = |register: RegId| bits(&name(register));
-        let (mut reads, mut writes) = (0, 0);
-        for register in detail.regs_read() {
-            reads |= of(*register);
+fn timed(instruction: &Named) -> Result<Timed> {
+    let mnemonic = instruction.mnemonic.as_str();
+    let all = |names: &[String]| names.iter().fold(0, |all, name| all | bits(name));
+    let (reads, writes) = (all(&instruction.reads), all(&instruction.writes));
+    let (before, address) = instruction
+        .operands
+        .split_once('[')
+        .unwrap_or((&instruction.operands, ""));
+    let (address, behind) = address.split_once(']').unwrap_or((address, ""));
+    let registers = registers(before) | registers(behind);
+    let indexed = self::registers(address).count_ones() > 1;
+    let class = class(mnemonic, indexed)
+        .with_context(|| format!("no timing for `{mnemonic}`: add it to `CLASSES`"))?;
+    let double = (registers >> 32).count_ones() > 1 && mnemonic.contains(".f64")
+        || matches!(class, Class::FpLoad | Class::FpStore) && (registers >> 32).count_ones() == 2;
+    let words = match class {
+        Class::FpLoad | Class::FpStore => 1 + u32::from(double),
+        Class::FpMultiple => (registers >> 32).count_ones(),
+        Class::Multiple if mnemonic.starts_with("ldrd") || mnemonic.starts_with("strd") => 2,
+        Class::Multiple => {
+            let all = (registers & 0xFFFF).count_ones();
+            // The address is one of them, but for push and pop.
+            let address = mnemonic.starts_with("ldm") || mnemonic.starts_with("stm");
+            all - u32::from(address)
         }
-        for register in detail.regs_write() {
-            writes |= of(*register);
-        }
-        let mut registers = 0_u64;
-        let mut indexed = false;
-        let arch = detail.arch_detail();
-        let arm = arch.arm().context("not an Arm instruction")?;
-        for operand in arm.operands() {
-            match operand.op_type {
-                ArmOperandType::Reg(register) => {
-                    let bits = of(register);
-                    registers |= bits;
-                    if operand.access.is_some_and(|a| a.is_readable()) {
-                        reads |= bits;
-                    }
-                    if operand.access.is_some_and(|a| a.is_writable()) {
-                        writes |= bits;
-                    }
-                }
-                ArmOperandType::Mem(memory) => {
-                    indexed |= of(memory.index()) != 0;
-                    reads |= of(memory.base()) | of(memory.index());
-                }
-                _ => {}
-            }
-        }
-        let class = class(mnemonic, indexed)
-            .with_context(|| format!("no timing for `{mnemonic}`: add it to `CLASSES`"))?;
-        let double = (registers >> 32).count_ones() > 1 && mnemonic.contains(".f64")
-            || matches!(class, Class::FpLoad | Class::FpStore)
-                && (registers >> 32).count_ones() == 2;
-        let words = match class {
-            Class::FpLoad | Class::FpStore => 1 + u32::from(double),
-            Class::FpMultiple => (registers >> 32).count_ones(),
-            Class::Multiple if mnemonic.starts_with("ldrd") || mnemonic.starts_with("strd") => 2,
-            Class::Multiple => {
-                let all = (registers & 0xFFFF).count_ones();
-                // The address is one of them, but for push and pop.
-                let address = mnemonic.starts_with("ldm") || mnemonic.starts_with("stm");
-                all - u32::from(address)
-            }
-            _ => 1,
-        };
-        Ok(Timed {
-            class,
-            words,
-            double,
-            reads,
-            writes,
-        })
-    }
+        _ => 1,
+    };
+    Ok(Timed {
+        class,
+        words,
+        double,
+        reads,
+        writes,
+    })
 }
 
 /// Beginnings of names, and the class; the first that fits counts.

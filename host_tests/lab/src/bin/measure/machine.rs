@@ -5,10 +5,12 @@
 use crate::decode::Decoder;
 use crate::image::Image;
 use crate::timing::Core;
+use crate::unicorn::{
+    CORTEX_M4, CORTEX_M7, EXECUTE, Emulator, Hooks, Memory, READ, Register, WRITE,
+};
+use crate::wheels;
 use anyhow::{Context, Result, ensure};
 use std::collections::HashMap;
-use unicorn_engine::unicorn_const::{Arch, ArmCpuModel, HookType, Mode, Prot};
-use unicorn_engine::{RegisterARM, Unicorn};
 
 const FLASH: (u32, u32) = (0x0800_0000, 0x10_0000);
 const RAM: (u32, u32) = (0x2000_0000, 0x2_0000);
@@ -46,125 +48,142 @@ struct Watch {
     count: Count,
     /// The address behind the last block.
     end: Option<u32>,
+    /// The word that shows the cycles, where the program has one.
+    counter: u32,
     /// Cycles at each look of the program at the counter, and the address of the instruction that looks.
     looks: Vec<u32>,
     lookers: Vec<u32>,
     failure: Option<anyhow::Error>,
 }
 
-/// Counts a block that begins.
-fn enter(uc: &mut Unicorn<'_, Watch>, address: u32, size: u32) -> Result<()> {
-    let block = match uc.get_data().blocks.get(&(address, size)) {
-        Some(block) => *block,
-        None => {
-            let code = uc.mem_read_as_vec(address.into(), size as usize)?;
-            let watch = uc.get_data_mut();
-            let instructions = watch.decoder.block(&code, address)?;
-            let block = Count {
-                instructions: instructions.len() as u64,
-                cycles: watch.core.cycles(&instructions),
-            };
-            watch.blocks.insert((address, size), block);
-            block
+impl Watch {
+    /// Counts a block that begins.
+    fn enter(&mut self, memory: &Memory, address: u32, size: u32) -> Result<()> {
+        let block = match self.blocks.get(&(address, size)) {
+            Some(block) => *block,
+            None => {
+                let code = memory.read(address, size as usize)?;
+                let instructions = self.decoder.block(&code, address)?;
+                let block = Count {
+                    instructions: instructions.len() as u64,
+                    cycles: self.core.cycles(&instructions),
+                };
+                self.blocks.insert((address, size), block);
+                block
+            }
+        };
+        if self.end.is_some_and(|end| end != address) {
+            self.count.cycles += self.core.taken();
         }
-    };
-    let watch = uc.get_data_mut();
-    if watch.end.is_some_and(|end| end != address) {
-        watch.count.cycles += watch.core.taken();
+        self.count.instructions += block.instructions;
+        self.count.cycles += block.cycles;
+        self.end = Some(address + size);
+        Ok(())
     }
-    watch.count.instructions += block.instructions;
-    watch.count.cycles += block.cycles;
-    watch.end = Some(address + size);
-    Ok(())
+
+    /// Shows the cycles of the call to a program that looks at the counter.
+    fn show(&mut self, memory: &Memory, address: u32) -> Result<()> {
+        let cycles = self.count.cycles as u32;
+        self.looks.push(cycles);
+        self.lookers.push(memory.register(Register::Pc)?);
+        memory.write(address, &cycles.to_le_bytes())
+    }
+
+    /// Keeps the first failure, which ends the run.
+    fn keep(&mut self, memory: &Memory, done: Result<()>) {
+        if let Err(error) = done {
+            self.failure.get_or_insert(error);
+            memory.stop();
+        }
+    }
+}
+
+impl Hooks for Watch {
+    fn block(&mut self, memory: &Memory, address: u32, size: u32) {
+        let done = self.enter(memory, address, size);
+        self.keep(memory, done);
+    }
+
+    fn read(&mut self, memory: &Memory, _: u32) {
+        let done = self.show(memory, self.counter);
+        self.keep(memory, done);
+    }
 }
 
 /// The core, with a program.
 pub struct Machine {
-    uc: Unicorn<'static, Watch>,
+    core: Emulator<Watch>,
 }
 
 impl Machine {
     /// A core with this program in its memory.
     pub fn new(core: Core, image: &Image) -> Result<Self> {
+        let wheels = wheels::open()?;
         let watch = Watch {
             core,
-            decoder: Decoder::new()?,
+            decoder: Decoder::new(&wheels.capstone)?,
             blocks: HashMap::new(),
             count: Count::default(),
             end: None,
+            counter: 0,
             looks: Vec::new(),
             lookers: Vec::new(),
             failure: None,
         };
-        // With `Mode::MCLASS` every core would be a Cortex-M33, whatever model is asked for.
-        let mut uc = Unicorn::new_with_data(Arch::ARM, Mode::THUMB, watch)?;
         let model = match core {
-            Core::M4f => ArmCpuModel::CORTEX_M4,
-            Core::M7 => ArmCpuModel::CORTEX_M7,
+            Core::M4f => CORTEX_M4,
+            Core::M7 => CORTEX_M7,
         };
-        uc.ctl_set_cpu_model(model as i32)?;
-        uc.mem_map(FLASH.0.into(), FLASH.1.into(), Prot::READ | Prot::EXEC)?;
-        for (from, size) in [RAM, STACK] {
-            uc.mem_map(from.into(), size.into(), Prot::READ | Prot::WRITE)?;
+        let core = Emulator::new(&wheels.unicorn, model, watch)?;
+        core.memory().map(FLASH, READ | EXECUTE)?;
+        for ram in [RAM, STACK] {
+            core.memory().map(ram, READ | WRITE)?;
         }
         for (address, data) in &image.segments {
-            let written = uc.mem_write((*address).into(), data);
+            let written = core.memory().write(*address, data);
             written.context("a segment outside of memory")?;
         }
-        uc.add_block_hook(1, 0, |uc, address, size| {
-            if let Err(error) = enter(uc, address as u32, size) {
-                uc.get_data_mut().failure.get_or_insert(error);
-                let _ = uc.emu_stop();
-            }
-        })?;
-        Ok(Self { uc })
+        Ok(Self { core })
     }
 
     /// Has the word at this address show the cycles of a call whenever the program looks at it.
     pub fn count_at(&mut self, address: u32) -> Result<()> {
-        let (from, to) = (address.into(), u64::from(address) + 3);
-        self.uc
-            .add_mem_hook(HookType::MEM_READ, from, to, move |uc, _, _, _, _| {
-                let at = uc.reg_read(RegisterARM::PC).unwrap_or_default() as u32;
-                let watch = uc.get_data_mut();
-                let cycles = watch.count.cycles as u32;
-                watch.looks.push(cycles);
-                watch.lookers.push(at);
-                uc.mem_write(from, &cycles.to_le_bytes()).is_ok()
-            })?;
-        Ok(())
+        self.core.hooks_mut().counter = address;
+        self.core.watch(address)
     }
 
     /// Cycles at each look at the counter in the last call.
     pub fn looks(&self) -> &[u32] {
-        &self.uc.get_data().looks
+        &self.core.hooks().looks
     }
 
     /// Addresses of the instructions that look.
     pub fn lookers(&self) -> &[u32] {
-        &self.uc.get_data().lookers
+        &self.core.hooks().lookers
     }
 
     /// Calls a function; returns its result and the counts.
     pub fn call(&mut self, function: u32) -> Result<(u32, Count)> {
-        let watch = self.uc.get_data_mut();
+        let watch = self.core.hooks_mut();
         (watch.count, watch.end) = (Count::default(), None);
         watch.looks.clear();
         watch.lookers.clear();
-        self.uc
-            .reg_write(RegisterARM::SP, (STACK.0 + STACK.1).into())?;
-        self.uc.reg_write(RegisterARM::LR, (RETURN | 1).into())?;
-        let end = self
-            .uc
-            .emu_start((function | 1).into(), RETURN.into(), 0, 0);
-        if let Some(error) = self.uc.get_data_mut().failure.take() {
+        let registers = [
+            (Register::Sp, STACK.0 + STACK.1),
+            (Register::Lr, RETURN | 1),
+        ];
+        for (register, value) in registers {
+            self.core.memory().set_register(register, value)?;
+        }
+        let run = self.core.run(function | 1, RETURN);
+        if let Some(error) = self.core.hooks_mut().failure.take() {
             return Err(error);
         }
-        let at = self.uc.reg_read(RegisterARM::PC)?;
-        end.with_context(|| format!("the program failed at {at:#x}"))?;
-        ensure!(at as u32 & !1 == RETURN, "the program stopped at {at:#x}");
-        let result = self.uc.reg_read(RegisterARM::R0)?;
-        Ok((result as u32, self.uc.get_data().count))
+        run.context("the program failed")?;
+        let at = self.core.memory().register(Register::Pc)?;
+        ensure!(at & !1 == RETURN, "the program stopped at {at:#x}");
+        let result = self.core.memory().register(Register::R0)?;
+        Ok((result, self.core.hooks().count))
     }
 
     /// Calls a function and tells how many bytes of stack it touched.
@@ -189,18 +208,20 @@ impl Machine {
 
     /// Reads memory.
     pub fn read(&self, address: u32, length: usize) -> Result<Vec<u8>> {
-        Ok(self.uc.mem_read_as_vec(address.into(), length)?)
+        self.core.memory().read(address, length)
     }
 
     /// Reads a word.
     pub fn word(&self, address: u32) -> Result<u32> {
-        let mut bytes = [0; 4];
-        self.uc.mem_read(address.into(), &mut bytes)?;
-        Ok(u32::from_le_bytes(bytes))
+        let bytes = self.read(address, 4)?;
+        Ok(bytes
+            .into_iter()
+            .rev()
+            .fold(0, |word, byte| word << 8 | u32::from(byte)))
     }
 
     /// Writes memory.
-    pub fn write(&mut self, address: u32, data: &[u8]) -> Result<()> {
-        Ok(self.uc.mem_write(address.into(), data)?)
+    pub fn write(&self, address: u32, data: &[u8]) -> Result<()> {
+        self.core.memory().write(address, data)
     }
 }

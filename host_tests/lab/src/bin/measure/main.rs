@@ -1,6 +1,7 @@
 //! The part of `cargo reports` that needs the emulator: see `cargo reports --help`.
 
 mod bench;
+mod capstone;
 mod decode;
 mod gate;
 mod image;
@@ -11,6 +12,8 @@ mod sweep;
 mod table;
 mod ticks;
 mod timing;
+mod unicorn;
+mod wheels;
 
 use anyhow::{Result, bail};
 
