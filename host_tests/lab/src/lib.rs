@@ -97,7 +97,7 @@ macro_rules! for_every_scene {
 /// nothing is `proved`.
 #[macro_export]
 macro_rules! image {
-    ($run:path, proved: $proved:expr) => {
+    ($run:path) => {
         // For the interrupt vectors, which the linker script asks for.
         #[cfg(all(target_os = "none", feature = "monitor"))]
         use stm32f4 as _;
@@ -109,10 +109,7 @@ macro_rules! image {
             unsafe extern "C" {
                 safe fn the_solver_can_panic() -> !;
             }
-            if $proved {
-                the_solver_can_panic()
-            }
-            loop {}
+            the_solver_can_panic()
         }
 
         #[cfg(target_os = "none")]

@@ -32,7 +32,7 @@ fn figures(page: &str, first: &str) -> Vec<f64> {
     row(page, first).into_iter().map(figure).collect()
 }
 
-/// As exact as `cargo reports --check` holds the figures.
+/// Figures of the pages are rounded.
 fn assert_measured(found: &[f64], measured: &[f64], what: &str) {
     assert_eq!(found.len(), measured.len(), "{what}");
     for (found, measured) in found.iter().zip(measured) {

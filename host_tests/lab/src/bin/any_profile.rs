@@ -4,7 +4,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 
-lab::image!(scenes::run, proved: true);
+lab::image!(scenes::run);
 
 #[cfg(target_os = "none")]
 mod scenes {

@@ -7,7 +7,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 
-lab::image!(bare::run, proved: true);
+lab::image!(bare::run);
 
 #[cfg(target_os = "none")]
 mod bare {

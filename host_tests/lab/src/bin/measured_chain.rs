@@ -6,7 +6,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 #![cfg_attr(target_os = "none", no_main)]
 
-lab::image!(measured::keep, proved: false);
+lab::image!(measured::keep);
 
 #[cfg(target_os = "none")]
 #[allow(

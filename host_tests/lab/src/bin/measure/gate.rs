@@ -9,8 +9,8 @@ use lab::workload;
 use std::fs;
 use std::path::Path;
 
-/// Part by which a figure may differ.
-const LEEWAY: f64 = 0.02;
+/// Part by which a figure may differ: the same source gives the same figures in any folder, but not under another compiler.
+const LEEWAY: f64 = 0.005;
 
 /// Measures all figures.
 pub fn measure(root: &Path) -> Result<Figures> {
@@ -85,12 +85,12 @@ mod tests {
                 .collect()
         };
         let committed = of(&[("a", 1000), ("b", 0)]);
-        for a in [980, 1020] {
+        for a in [995, 1005] {
             assert!(differences(&committed, &of(&[("a", a), ("b", 0)])).is_empty());
         }
         for now in [
-            of(&[("a", 1021), ("b", 0)]),
-            of(&[("a", 979), ("b", 0)]),
+            of(&[("a", 1006), ("b", 0)]),
+            of(&[("a", 994), ("b", 0)]),
             of(&[("a", 1000), ("b", 1)]),
             of(&[("a", 1000)]),
             of(&[("a", 1000), ("b", 0), ("c", 1)]),

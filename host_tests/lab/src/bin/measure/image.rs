@@ -1,8 +1,8 @@
 //! The programs that are measured: built, and laid out in memory.
 
+use crate::program::{Program, RAM, RELOCATIONS};
 use crate::timing::Core;
-use addr2line::Loader;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use cli::cross::Build;
 use judge::campaign::report::name;
 use lab::images::IMAGES;
@@ -10,16 +10,13 @@ use object::{Object, ObjectSegment, ObjectSymbol};
 use spindle_file::dispatch::Precision;
 use std::collections::HashMap;
 use std::path::Path;
-use twin::graph::Graph;
 
-/// Where memory begins that is not flash.
-const RAM: u64 = 0x2000_0000;
-
-/// A linked program.
+/// A program in memory.
 pub struct Image {
     /// Bytes of the memory, by address.
     pub segments: Vec<(u32, Vec<u8>)>,
-    elf: Vec<u8>,
+    /// The program.
+    pub program: Program,
     symbols: HashMap<String, u32>,
 }
 
@@ -45,25 +42,21 @@ impl Image {
         let build = Build {
             package: IMAGES,
             program,
-            link: &["--emit-relocs"],
+            link: &[RELOCATIONS],
             flags: &flags,
             environment: &[
                 ("MEASURED_CORE", core.processor()),
                 ("MEASURED_PRECISION", Some(name(precision))),
                 ("MEASURED_SCENE", scene),
-                ("PROVED", None),
             ],
             quiet: true,
             ..Build::default()
         };
-        let path = build.run(root).with_context(|| {
+        let program = Program::build(&build, root).with_context(|| {
             let scene = scene.unwrap_or_default();
             format!("cannot build {program} {scene} for {}", core.name())
         })?;
-        // The next build replaces it.
-        let elf =
-            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        let file = object::File::parse(&*elf)?;
+        let file = object::File::parse(&*program.elf)?;
         let mut segments = Vec::new();
         for segment in file.segments() {
             segments.push((u32::try_from(segment.address())?, segment.data()?.to_vec()));
@@ -75,7 +68,7 @@ impl Image {
         Ok(Self {
             segments,
             symbols,
-            elf,
+            program,
         })
     }
 
@@ -87,23 +80,15 @@ impl Image {
             .with_context(|| format!("the program has no symbol {name}"))
     }
 
-    /// Its debug information.
-    pub fn lines(&self) -> Result<Loader> {
-        let file = tempfile::NamedTempFile::new()?;
-        std::fs::write(&file, &self.elf)?;
-        Loader::new(file.path()).map_err(|error| anyhow!("{error}"))
-    }
-
     /// Bytes of code and constants that a solve reaches, less the copying of question and answer.
-    pub fn flash(&self) -> Result<u64> {
-        let graph = Graph::read(&self.elf)?;
+    pub fn flash(&self) -> u64 {
         let flash = |entry: &str, counted: fn(&str) -> bool| -> u64 {
-            let reach = graph.reach(|name| name == entry);
+            let reach = self.program.graph.reach(|name| name == entry);
             let symbols = reach.symbols();
             let counted = symbols.filter(|(at, _, name)| *at < RAM && counted(name));
             counted.map(|(_, size, _)| size).sum()
         };
         let around = flash("measured_nothing", |name| name == "measured_nothing");
-        Ok(flash("measured_solve", |_| true).saturating_sub(around))
+        flash("measured_solve", |_| true).saturating_sub(around)
     }
 }

@@ -3,7 +3,9 @@
 use crate::bench::{Answer, Bench};
 use crate::image::Image;
 use crate::machine::Count;
+use crate::parts;
 use crate::timing::Core;
+use crate::unwanted::Unwanted;
 use anyhow::{Context, Result, ensure};
 use judge::campaign::report::{Spread, name};
 use lab::report::Figures;
@@ -128,7 +130,7 @@ pub fn programs() -> Vec<Program> {
         .collect()
 }
 
-/// Builds and measures programs. One is built while others are measured.
+/// Builds, proves and measures programs. One is built while others are measured.
 pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Measured>> {
     let build = |program: Program| -> Result<_> {
         let (core, precision) = (program.core, program.precision);
@@ -141,10 +143,20 @@ pub fn run(root: &Path, programs: Vec<Program>, works: &[Work]) -> Result<Vec<Me
         let (image, program) = built?;
         let name = program.name();
         eprintln!("{name}");
-        Ok((number, program.measure(image, works).context(name)?))
+        let kinds: &[Unwanted] = match program.precision {
+            Precision::F32 => &Unwanted::ALL,
+            Precision::F64 => &Unwanted::IN_DOUBLE,
+        };
+        let parts = parts::prove(root, program.scene.name, &image.program, kinds)?;
+        Ok((
+            number,
+            (program.measure(image, works).context(name)?, parts),
+        ))
     });
     let measured: Result<BTreeMap<_, _>> = measured.collect();
-    Ok(measured?.into_values().collect())
+    let (measured, parts): (_, Vec<_>) = measured?.into_values().unzip();
+    parts::all_seen(&parts.into_iter().flatten().collect())?;
+    Ok(measured)
 }
 
 impl Program {
@@ -214,7 +226,7 @@ impl Program {
             }
         }
         Ok(Measured {
-            bytes: [bench.image.flash()?, bench.state()?, stack],
+            bytes: [bench.image.flash(), bench.state()?, stack],
             program: self,
             solves,
         })

@@ -186,7 +186,7 @@ impl Board {
         let output = image.symbol("MEASURED_OUTPUT")?;
         let words = image.symbol("MEASURED_TICK")?;
         machine.count_at(image.symbol("MEASURED_CYCLES")?)?;
-        let lines = image.lines()?;
+        let lines = image.program.lines()?;
         let ticker = Ticker::new(&self.settings.tick, SPINDLE.ball_counts());
         let (mut all, mut passed) = (Vec::with_capacity(ticks.len()), 0);
         for (number, tick) in ticks.iter().enumerate() {

@@ -6,44 +6,23 @@
 //! - `any_profile` is the same with a bearing and a spindle, under profiles that other firmware has.
 //! - In all of them, and in the firmware as shipped, the solver's calls are followed through the
 //!   relocations. For code that must not be there, the way to it is printed.
-//! - `measured` is built for every scene without a panic handler that links. It must have none of the
-//!   code that the scene leaves out.
+//! - Images of the scenes are proved where they are measured, each by itself.
 //! - All are first shown a program that has it: a check that finds nothing there is blind.
 
-mod scenes;
-mod unwanted;
-
-use addr2line::Loader;
-use anyhow::{Context, Result, bail};
-use cli::cross::{self, Build, F405};
+use crate::parts::{self, Part};
+use crate::program::{Program, RELOCATIONS};
+use crate::unwanted::Unwanted;
+use anyhow::{Result, bail};
+use cli::cross::{Build, F405};
 use lab::images::{BARE, BARE_FLAGS, H743, IMAGES};
-use scenes::Part;
-use std::error::Error;
-use std::fmt::Write;
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use twin::graph::{self, Graph, Reach};
-use unwanted::Unwanted;
+use std::path::Path;
+use twin::graph::{self, Reach};
 
-/// Keeps the relocations of a linked program.
-const RELOCATIONS: &str = "--emit-relocs";
 /// Function that the panic handlers of the bare programs call, and nobody defines.
 const MISSING: &str = "the_solver_can_panic";
 
-fn main() -> ExitCode {
-    match check() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-fn check() -> Result<()> {
-    let root = cli::root();
-    cross::add_target(root)?;
+/// Proves all of them but the scenes.
+pub fn check(root: &Path) -> Result<()> {
     let (h743, others) = rayon::join(
         || {
             let kinds = &Unwanted::IN_DOUBLE;
@@ -55,7 +34,8 @@ fn check() -> Result<()> {
         || {
             be_seen_to_fail(root, &SOLVER)?;
             bare(root, &SOLVER, None, &Unwanted::ALL)?;
-            bare(root, &SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
+            let whole = bare(root, &SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
+            parts::be_seen(root, &whole, Part::Design)?;
             bare(root, &MONITOR, None, &Unwanted::BUT_ROOTS)?;
             be_seen_to_fail(root, &ANY_PROFILE[0])?;
             for image in &ANY_PROFILE {
@@ -65,8 +45,7 @@ fn check() -> Result<()> {
             let program = (F405, "spindle_firmware");
             SPINDLES
                 .iter()
-                .try_for_each(|spindle| shipped(root, program, spindle, kinds))?;
-            scenes::check(root)
+                .try_for_each(|spindle| shipped(root, program, spindle, kinds))
         },
     );
     h743.and(others)
@@ -128,40 +107,6 @@ const ANY_PROFILE: [Image; 4] = [
     Image::under(&["opt-level='s'"]),
 ];
 
-/// A linked program.
-struct Program {
-    path: PathBuf,
-    graph: Graph,
-}
-
-impl Program {
-    fn build(build: &Build<'_>, root: &Path) -> Result<Self> {
-        let path = build.run(root)?;
-        let elf = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        let graph =
-            Graph::read(&elf).with_context(|| format!("cannot make out {}", path.display()))?;
-        Ok(Self { path, graph })
-    }
-
-    fn reach_from_main(&self) -> Reach<'_> {
-        self.graph.reach(|name| name == "main")
-    }
-
-    /// The lines of source behind an address, from the innermost inlined function outwards.
-    fn lines(&self, address: u64) -> Result<String, Box<dyn Error>> {
-        let loader = Loader::new(&self.path)?;
-        let mut frames = loader.find_frames(address)?;
-        let mut lines = String::new();
-        while let Some(frame) = frames.next()? {
-            if let Some(place) = frame.location {
-                let (file, line) = (place.file.unwrap_or("?"), place.line.unwrap_or(0));
-                write!(lines, "\n       at {file}:{line}")?;
-            }
-        }
-        Ok(lines)
-    }
-}
-
 /// Builds a bare program; where `lenient`, with a definition of the function that must not be called.
 fn build_bare(root: &Path, image: &Image, variant: Option<&str>, lenient: bool) -> Result<Program> {
     let definition = format!("--defsym={MISSING}=0");
@@ -177,23 +122,6 @@ fn build_bare(root: &Path, image: &Image, variant: Option<&str>, lenient: bool) 
         ..Build::default()
     };
     Program::build(&build, root)
-}
-
-/// Builds the image that has one scene alone, and no panic.
-fn build_scene(root: &Path, scene: &str) -> Result<Program> {
-    let build = Build {
-        package: IMAGES,
-        program: "measured",
-        link: &[RELOCATIONS],
-        environment: &[
-            ("MEASURED_PRECISION", Some("f32")),
-            ("MEASURED_SCENE", Some(scene)),
-            ("PROVED", Some("yes")),
-        ],
-        quiet: true,
-        ..Build::default()
-    };
-    Program::build(&build, root).with_context(|| format!("the scene {scene}"))
 }
 
 /// Fails unless a program with a panic, a double and a formatted number in it fails to link, and all are found.
@@ -224,7 +152,7 @@ fn is_missing(error: &anyhow::Error) -> bool {
 }
 
 /// Checks the solver, or the monitor, by itself.
-fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -> Result<()> {
+fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -> Result<Program> {
     let name = image.program;
     let precision = variant.unwrap_or("single");
     let mut what = format!("{name} in {precision} precision");
@@ -240,7 +168,7 @@ fn bare(root: &Path, image: &Image, variant: Option<&str>, kinds: &[Unwanted]) -
     if !links {
         bail!("{what} can panic: it does not link for want of `{MISSING}`");
     }
-    Ok(())
+    Ok(program)
 }
 
 /// Checks the monitor's firmware for a board and a spindle.
@@ -289,7 +217,7 @@ fn shipped(
     let with = spindle.map_or(String::new(), |spindle| format!(" of {spindle}"));
     let what = format!("{root} in the firmware{with}");
     refuse(&what, &program, &reach, kinds)?;
-    scenes::has(&what, folder, &program, &reach, parts)
+    parts::has(&what, folder, &program, &reach, parts)
 }
 
 /// The library's own code, less what prints its types for a log.
@@ -311,12 +239,12 @@ fn refuse(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) 
 }
 
 /// Fails if anything unwanted is reachable, and says by which way.
-fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
+pub fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
     for kind in kinds {
         if let Some(path) = find(reach, *kind) {
             let names = path.names.join("\n    -> ");
             // The way is worth telling without the lines, too.
-            let lines = path.last.and_then(|at| program.lines(at).ok());
+            let lines = path.last.and_then(|at| program.lines_of(at).ok());
             bail!(
                 "{what} {}:\n       {names}{}\n{}",
                 kind.verb(),

@@ -5,8 +5,9 @@
 //! stands in the library's source behind a constant of the scene, as in `if D == 5 {`. No instruction may
 //! come from the lines of such a block.
 
-use crate::{Program, build_scene, clean, unwanted::Unwanted};
-use addr2line::Loader;
+use crate::program::Program;
+use crate::proof::clean;
+use crate::unwanted::Unwanted;
 use anyhow::{Context, Result, bail};
 use lab::for_every_scene;
 use std::collections::{BTreeMap, BTreeSet};
@@ -209,8 +210,7 @@ struct Origins {
 impl Origins {
     /// Origins of the instructions reached in a program.
     fn of(program: &Program, reach: &Reach<'_>) -> Result<Self> {
-        let loader = Loader::new(&program.path)
-            .map_err(|error| anyhow::anyhow!("no debug information: {error}"))?;
+        let loader = program.lines()?;
         let mut origins = Self {
             functions: BTreeSet::new(),
             lines: BTreeSet::new(),
@@ -257,58 +257,57 @@ impl Origins {
     }
 }
 
-/// Where memory begins that is not flash.
-const RAM: u64 = 0x2000_0000;
-
 fn is_solver(name: &str) -> bool {
     name == "measured_solve"
 }
 
-/// Builds every scene's firmware and looks for the parts that it leaves out. The kept parts are looked
-/// for, too: a search that finds a part nowhere proves nothing.
-pub fn check(root: &Path) -> Result<()> {
-    let guarded = Guarded::read(root)?;
+/// Fails if a program of one scene has anything unwanted, or of a part that the scene leaves out. Returns the parts that it has.
+pub fn prove(
+    root: &Path,
+    scene: &str,
+    program: &Program,
+    kinds: &[Unwanted],
+) -> Result<BTreeSet<Part>> {
+    let without = SCENES.iter().find(|(name, _)| *name == scene);
+    let (_, without) = without.with_context(|| format!("no scene {scene}"))?;
+    let reach = program.graph.reach(is_solver);
+    // The code inlined into it makes it the solver.
+    if !reach.names().any(is_solver) {
+        bail!("this check is blind: there is no solver in {scene}");
+    }
+    clean(scene, program, &reach, kinds)?;
+    let (guarded, origins) = (Guarded::read(root)?, Origins::of(program, &reach)?);
+    if origins.lines.is_empty() {
+        bail!("this check is blind: {scene} has no debug information");
+    }
     let mut seen = BTreeSet::new();
-    for &(scene, without) in SCENES {
-        let program = build_scene(root, scene)?;
-        let reach = program.graph.reach(is_solver);
-        // The code inlined into it makes it the solver.
-        if !reach.names().any(is_solver) {
-            bail!("this check is blind: there is no solver in {scene}");
-        }
-        clean(scene, &program, &reach, &Unwanted::ALL)?;
-        let origins = Origins::of(&program, &reach)?;
-        if origins.lines.is_empty() {
-            bail!("this check is blind: {scene} has no debug information");
-        }
-        for part in Part::ALL {
-            let left_out = without.contains(&part) || part == Part::Design;
-            match origins.find(part, &guarded) {
-                Some(place) if left_out => {
-                    bail!("{scene} leaves out {part:?}, and yet {place}")
-                }
-                Some(_) => {
-                    seen.insert(part);
-                }
-                None => {}
-            }
-        }
-        let in_flash = reach.symbols().filter(|(at, ..)| *at < RAM);
-        let flash: u64 = in_flash.map(|(_, size, _)| size).sum();
-        println!("{scene}: {flash} bytes of flash, nothing of {without:?}");
-    }
-    // A firmware that asks for everything.
-    let whole = crate::build_bare(root, &crate::SOLVER, Some("double"), true)?;
-    let whole = Origins::of(&whole, &whole.reach_from_main())?;
-    if whole.find(Part::Design, &guarded).is_some() {
-        seen.insert(Part::Design);
-    }
     for part in Part::ALL {
-        if !seen.contains(&part) {
-            bail!("this check is blind: it finds {part:?} nowhere");
+        let left_out = without.contains(&part) || part == Part::Design;
+        match origins.find(part, &guarded) {
+            Some(place) if left_out => bail!("{scene} leaves out {part:?}, and yet {place}"),
+            Some(_) => _ = seen.insert(part),
+            None => {}
         }
     }
-    Ok(())
+    Ok(seen)
+}
+
+/// Fails unless each part but the design is in one of the scenes: a search that finds a part nowhere proves nothing.
+pub fn all_seen(seen: &BTreeSet<Part>) -> Result<()> {
+    let mut parts = Part::ALL.into_iter();
+    match parts.find(|part| *part != Part::Design && !seen.contains(part)) {
+        Some(part) => bail!("this check is blind: it finds {part:?} nowhere"),
+        None => Ok(()),
+    }
+}
+
+/// Fails unless a part is found in a program that has it.
+pub fn be_seen(root: &Path, program: &Program, part: Part) -> Result<()> {
+    let origins = Origins::of(program, &program.reach_from_main())?;
+    match origins.find(part, &Guarded::read(root)?) {
+        Some(_) => Ok(()),
+        None => bail!("this check is blind: it does not find {part:?}"),
+    }
 }
 
 /// Fails unless the firmware of a spindle has these parts, and no other ones of its file.
