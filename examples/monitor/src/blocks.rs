@@ -264,8 +264,9 @@ impl<const P: usize> Blocks<P> {
     }
 
     /// Whether a probe repeats a value that should have changed.
-    pub const fn is_stuck(&self, probe: usize) -> bool {
-        self.probes[probe].stuck >= STUCK
+    pub fn is_stuck(&self, probe: usize) -> bool {
+        let probe = self.probes.get(probe);
+        probe.is_some_and(|probe| probe.stuck >= STUCK)
     }
 
     /// Whether blocks do not count at the speed of now ([`is_aliased`]).

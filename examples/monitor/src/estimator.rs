@@ -224,6 +224,11 @@ impl<const P: usize> States<P> {
         probes: [[0.0; OF_PROBE]; P],
     };
 
+    /// Those of a probe. Here and below, a probe that is not there has zeros in the place of a panic.
+    fn of(&self, probe: usize) -> [f32; OF_PROBE] {
+        self.probes.get(probe).copied().unwrap_or_default()
+    }
+
     /// Adds a multiple of others.
     fn add(&mut self, factor: f32, others: &Self) {
         add(&mut self.preload, factor, &others.preload);
@@ -258,7 +263,7 @@ impl Slopes {
     #[inline(never)]
     fn of<const P: usize>(&self, probe: usize, states: &States<P>) -> f32 {
         let [l, d] = states.preload;
-        self.preload * (l + d) + dot(&self.probe, &states.probes[probe])
+        self.preload * (l + d) + dot(&self.probe, &states.of(probe))
     }
 }
 
@@ -287,6 +292,12 @@ impl<const P: usize> Filter<P> {
             }
         }
         filter
+    }
+
+    /// Covariance of two states of a probe.
+    fn covariance(&self, probe: usize, [i, j]: [usize; 2]) -> f32 {
+        let row = self.probes.get(probe).and_then(|rows| rows.get(i));
+        row.map_or(0.0, |row| row.of(probe).get(j).copied().unwrap_or_default())
     }
 
     /// Adds variance to `d` and to each `h`.
@@ -436,9 +447,8 @@ impl<const P: usize> Estimator<P> {
     #[inline(never)]
     pub fn take(&mut self, step: &Step<P>, may_commission: bool) {
         let mut step = *step;
-        for probe in 0..P {
-            let motion = step.motions[probe];
-            step.motions[probe] = motion.filter(|motion| self.admits(probe, motion, &step.load));
+        for (probe, motion) in step.motions.iter_mut().enumerate() {
+            *motion = motion.filter(|motion| self.admits(probe, motion, &step.load));
         }
         let count = step.motions.iter().flatten().count() as f32;
         if count == 0.0 {
@@ -489,11 +499,12 @@ impl<const P: usize> Estimator<P> {
             true => motion.by_preload * self.preload().error,
             false => 0.0,
         };
-        let by_load = self.settings.load_error * self.settings.probes[probe].compliance;
+        let by_load = self.settings.load_error * self.compliance(probe);
         let by_load = by_load * by_load * dot(load, load);
-        let by_angle =
-            self.filter.probes[probe][2].probes[probe][2] * motion.across * motion.across;
-        let follows = &mut self.follows[probe];
+        let by_angle = self.filter.covariance(probe, [2, 2]) * motion.across * motion.across;
+        let Some(follows) = self.follows.get_mut(probe) else {
+            return false;
+        };
         let (m, p) = (
             motion.measured * motion.computed.signum(),
             motion.computed.abs(),
@@ -522,26 +533,32 @@ impl<const P: usize> Estimator<P> {
         !is_off && follows.good > c.enters && follows.wrong == 0
     }
 
+    fn compliance(&self, probe: usize) -> f32 {
+        let settings = self.settings.probes.get(probe);
+        settings.map_or(0.0, |probe| probe.compliance)
+    }
+
     /// The filter after a step, and its squared residual.
     fn updated(&self, step: &Step<P>) -> (Filter<P>, f32) {
         let (mut filter, mut square) = (self.filter, 0.0);
         let [l, d] = self.filter.mean.preload;
         for (probe, motion) in step.motions.iter().enumerate() {
             let Some(motion) = motion else { continue };
-            let [g, h, a, ..] = self.filter.mean.probes[probe];
+            let [g, h, a, of_load @ ..] = self.filter.mean.of(probe);
             // Slopes are those before the step, whichever probe comes first.
             let u = motion.computed
                 + motion.by_preload * (l + d - self.fed)
-                + motion.across * (a - self.fed_angles[probe]);
+                + motion.across * (a - self.fed_angle(probe));
             let gain = g + h;
-            let compliance = self.settings.probes[probe].compliance;
+            let compliance = self.compliance(probe);
             let by_load = gain * self.settings.load_error * compliance;
             let [x, y, z, my, mz] = step.load.map(|load| by_load * load);
             let slopes = Slopes {
                 preload: gain * motion.by_preload,
                 probe: [u, u, gain * motion.across, x, y, z, my, mz],
             };
-            let of_load = dot(&slopes.probe[3..], &self.filter.mean.probes[probe][3..]);
+            let [_, _, _, by_load @ ..] = &slopes.probe;
+            let of_load = dot(by_load, &of_load);
             // The other probes of this step have moved the states already.
             let moved = slopes.of(probe, &filter.mean) - slopes.of(probe, &self.filter.mean);
             let residual = motion.measured - gain * u - of_load - moved;
@@ -618,7 +635,7 @@ impl<const P: usize> Estimator<P> {
 
     /// Angle of a probe, less the file's, that the solves were told, rad.
     pub fn fed_angle(&self, probe: usize) -> f32 {
-        self.fed_angles[probe]
+        self.fed_angles.get(probe).copied().unwrap_or_default()
     }
 
     /// Whether it is commissioned.
@@ -636,19 +653,23 @@ impl<const P: usize> Estimator<P> {
         self.steps
     }
 
+    fn follows(&self, probe: usize) -> Follows {
+        self.follows.get(probe).copied().unwrap_or_default()
+    }
+
     /// Whether a probe has still to follow some steps.
     pub fn is_learning(&self, probe: usize) -> bool {
-        self.follows[probe].good <= self.constants.enters
+        self.follows(probe).good <= self.constants.enters
     }
 
     /// Whether a probe does not follow the loads.
     pub fn is_at_fault(&self, probe: usize) -> bool {
-        self.follows[probe].wrong >= self.constants.wrong
+        self.follows(probe).wrong >= self.constants.wrong
     }
 
     /// Measured over computed motion of the last steps; none before the first.
     pub fn ratio(&self, probe: usize) -> Option<f32> {
-        let Follows { mp, pp, .. } = self.follows[probe];
+        let Follows { mp, pp, .. } = self.follows(probe);
         (pp > 0.0).then(|| mp / pp)
     }
 
@@ -672,18 +693,18 @@ impl<const P: usize> Estimator<P> {
     /// Gain of a probe: measured over computed motion.
     #[inline(never)]
     pub fn gain(&self, probe: usize) -> Estimate {
-        let [g, h, ..] = self.filter.mean.probes[probe];
-        let [of_g, of_h, ..] = &self.filter.probes[probe];
-        let [gg, gh, ..] = of_g.probes[probe];
-        sum([g, h], [gg, of_h.probes[probe][1], gh])
+        let [g, h, ..] = self.filter.mean.of(probe);
+        let [gg, hh, gh] =
+            [[0, 0], [1, 1], [0, 1]].map(|states| self.filter.covariance(probe, states));
+        sum([g, h], [gg, hh, gh])
     }
 
     /// Change of a probe's gain since commissioning, as a part of it.
     pub fn gain_change(&self, probe: usize) -> Estimate {
-        let [g, h, ..] = self.filter.mean.probes[probe];
+        let [g, h, ..] = self.filter.mean.of(probe);
         Estimate {
             value: h / g,
-            error: sqrt_f32(self.filter.probes[probe][1].probes[probe][1]) / g,
+            error: sqrt_f32(self.filter.covariance(probe, [1, 1])) / g,
         }
     }
 }

@@ -61,8 +61,9 @@ impl PreloadLaw {
         let place = (power - POWERS[0]) / POWERS[1];
         let node = (place as usize).clamp(1, NODES - 3);
         let x = place - node as f32;
-        // The cubic through four nodes.
-        let [a, b, c, d] = core::array::from_fn(|i| closures[node - 1 + i]);
+        // The cubic through four nodes, all of which are there; an index would be checked.
+        let mut nodes = closures.iter().skip(node - 1).copied();
+        let [a, b, c, d] = core::array::from_fn(|_| nodes.next().unwrap_or_default());
         let second = 0.5 * (a - 2.0 * b + c);
         let third = (d - a + 3.0 * (b - c)) / 6.0;
         let first = c - b - second - third;

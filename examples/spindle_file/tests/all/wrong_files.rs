@@ -262,7 +262,9 @@ fn a_tick_is_held_against_the_core_that_it_is_for() {
 fn probes_are_held_against_the_core_that_they_are_for() {
     let two = std::fs::read_to_string(format!("{SHIPPED}/../spindles/probed_pair.toml")).unwrap();
     let more = ["left", "right"].map(|name| {
-        format!("[[probe]]\nname = \"{name}\"\nposition_mm = -5\nangle_deg = 90\naccuracy_um = 0.2\n\n")
+        format!(
+            "[[probe]]\nname = \"{name}\"\nposition_mm = -5\nangle_deg = 90\naccuracy_um = 0.2\n\n"
+        )
     });
     let four = two.replacen("[[probe]]", &(more.concat() + "[[probe]]"), 1);
     let spindles = Path::new(SHIPPED).join("../spindles");

@@ -52,7 +52,7 @@ pub fn check(root: &Path) -> Result<()> {
 }
 
 /// Files of spindles, the shipped one without a name, and the parts that their firmware has of those in [`Part::OF_FILES`].
-const SPINDLES: [(Option<&str>, &[Part]); 4] = [
+const SPINDLES: [(Option<&str>, &[Part]); 5] = [
     (None, &[Part::Elastic]),
     (
         Some("examples/spindle_file/spindles/bridges.toml"),
@@ -65,6 +65,10 @@ const SPINDLES: [(Option<&str>, &[Part]); 4] = [
     (
         Some("examples/spindle_file/spindles/milling_spindle.toml"),
         &[Part::Sleeve],
+    ),
+    (
+        Some("examples/spindle_file/spindles/probed_pair.toml"),
+        &[Part::Elastic],
     ),
 ];
 
