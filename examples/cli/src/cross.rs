@@ -92,7 +92,7 @@ impl Build<'_> {
 pub fn twin(root: &Path, spindle: Option<&str>) -> Result<PathBuf> {
     let mut command = cargo();
     command
-        .args(["build", "-p", "twin", "--quiet"])
+        .args(["build", "-p", "twin"])
         .arg("--message-format=json-render-diagnostics");
     match spindle {
         // In a folder of its own, so that other programs keep the shipped spindle.

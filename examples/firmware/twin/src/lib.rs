@@ -10,15 +10,6 @@ use spindle_monitor::loads::FrameCounts;
 use spindle_monitor::telemetry::HealthReport;
 use std::io::{self, Read, Write};
 
-/// Rows of the spindle and period of its monitor: the twin's first message.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-pub struct About {
-    /// Rows of balls.
-    pub rows: usize,
-    /// Time from tick to tick, us.
-    pub period_us: u32,
-}
-
 /// Counters at the end: the twin's last message.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Ending {

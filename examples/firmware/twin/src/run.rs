@@ -8,7 +8,7 @@ use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::tick::{Core, NoCycles, NoWatchdog};
 use spindle_monitor::{BoardReport, Marks, Past};
 use std::io::{Read, Write};
-use twin::{About, Ending, receive, send};
+use twin::{Ending, receive, send};
 
 /// Settings of the STM32F405's monitor.
 static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
@@ -19,11 +19,6 @@ static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 ///
 /// The spindle has no equilibrium to start from, or nobody reads.
 pub fn run(mut input: impl Read, mut output: impl Write) -> Result<()> {
-    let about = About {
-        rows: ROWS,
-        period_us: MONITOR.tick.period_us,
-    };
-    send(&mut output, &postcard::to_extend(&about, Vec::new())?)?;
     let mut marks = [0; Marks::variant_count() as usize];
     let probes = Box::leak(Box::new(chain::probes(&MONITOR)));
     let monitor = chain::monitor(probes, &Past::default(), &MONITOR);

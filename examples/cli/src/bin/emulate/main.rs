@@ -121,21 +121,30 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let file = SpindleFile::read(if here.exists() { &here } else { name })?;
     // Before anything is built.
     board::plan(&file, Some(Core::STM32F405))?;
-    let twin = Twin::build(root, spindle.as_deref())?;
-    let (running, about) = twin.start()?;
-    let shipped = || record_of(about.rows).to_owned();
+    let shipped = || record_of(file.plan.rows.len()).to_owned();
     let path = arguments.recording.clone().unwrap_or_else(shipped);
-    let recording = records::read(&path, &file.probes, arguments.seconds, about.period_us)?;
+    let period_us = file.settings(&Core::STM32F405).tick.period_us;
+    let recording = records::read(&path, &file.probes, arguments.seconds, period_us)?;
     cross::add_target(root)?;
-    emulator::find()?;
-    eprintln!("building the firmware for {TARGET}; the first time takes about a minute");
-    let built = Build {
+    eprintln!(
+        "building the firmware for {TARGET}, and its twin; the first time takes about a minute"
+    );
+    let build = Build {
         package: cross::F405,
         program: "spindle_firmware",
         environment: &[("SPINDLE", spindle.as_deref())],
         ..Build::default()
-    }
-    .run(root)?;
+    };
+    // The firmware's last crate takes one core, and so do the tools of the emulator.
+    let (built, twin) = thread::scope(|scope| {
+        let built = scope.spawn(|| build.run(root));
+        let twin = cross::twin(root, spindle.as_deref());
+        let found = emulator::find();
+        let built = built.join().map_err(|_| anyhow!("the build has panicked"));
+        anyhow::Ok((built??, found.and(twin)?))
+    })?;
+    let twin = Twin(twin);
+    let running = twin.start()?;
     let firmware = Firmware::read(twin.seal(&built)?)?;
     let episodes = match arguments.faults {
         true => faults::schedule(arguments.seed, &recording.records),

@@ -1,21 +1,15 @@
 //! The firmware's twin on this machine, a program of its own: it has the constants of the same spindle's file.
 
 use anyhow::{Context, Result, ensure};
-use cli::cross;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use twin::{About, Ending, receive, send};
+use twin::{Ending, receive, send};
 
 /// The program.
-pub struct Twin(PathBuf);
+pub struct Twin(pub PathBuf);
 
 impl Twin {
-    /// Builds it, for the spindle of a file or for the shipped one.
-    pub fn build(root: &Path, spindle: Option<&str>) -> Result<Self> {
-        cross::twin(root, spindle).map(Self)
-    }
-
     /// Seals a firmware; returns where the sealed one is.
     pub fn seal(&self, elf: &Path) -> Result<PathBuf> {
         let mut command = Command::new(&self.0);
@@ -28,7 +22,7 @@ impl Twin {
     }
 
     /// Starts its monitor.
-    pub fn start(&self) -> Result<(Running, About)> {
+    pub fn start(&self) -> Result<Running> {
         let mut command = Command::new(&self.0);
         command
             .arg("run")
@@ -38,13 +32,11 @@ impl Twin {
             .spawn()
             .context("the firmware's twin does not run")?;
         let (input, output) = (child.stdin.take(), child.stdout.take());
-        let mut running = Running {
+        Ok(Running {
             input: input.context("the twin cannot be spoken to")?,
             output: BufReader::new(output.context("the twin cannot be heard")?),
             child,
-        };
-        let about = postcard::from_bytes(&running.hear()?)?;
-        Ok((running, about))
+        })
     }
 }
 
