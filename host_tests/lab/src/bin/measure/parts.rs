@@ -6,8 +6,7 @@
 //! come from the lines of such a block.
 
 use crate::program::Program;
-use crate::proof::clean;
-use crate::unwanted::Unwanted;
+use crate::unwanted::{Unwanted, clean};
 use anyhow::{Context, Result, bail};
 use lab::for_every_scene;
 use std::collections::{BTreeMap, BTreeSet};

@@ -11,12 +11,12 @@
 
 use crate::parts::{self, Part};
 use crate::program::{Program, RELOCATIONS};
-use crate::unwanted::Unwanted;
+use crate::unwanted::{Unwanted, clean, find};
 use anyhow::{Result, bail};
 use cli::cross::{Build, F405};
 use lab::images::{BARE, BARE_FLAGS, H743, IMAGES};
 use std::path::Path;
-use twin::graph::{self, Reach};
+use twin::graph::Reach;
 
 /// Function that the panic handlers of the bare programs call, and nobody defines.
 const MISSING: &str = "the_solver_can_panic";
@@ -230,38 +230,10 @@ fn is_library(name: &str) -> bool {
     path.starts_with("spindle_bearing::") && !name.contains("defmt")
 }
 
-fn find<'r>(reach: &'r Reach<'_>, kind: Unwanted) -> Option<graph::Path<'r>> {
-    reach.path(|name| kind.is(name))
-}
-
 /// As [`clean`], of a program that must have functions of the library to look at.
 fn refuse(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
     if !reach.names().any(is_library) {
         bail!("this check is blind: there is no solver in {what}");
     }
     clean(what, program, reach, kinds)
-}
-
-/// Fails if anything unwanted is reachable, and says by which way.
-pub fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
-    for kind in kinds {
-        if let Some(path) = find(reach, *kind) {
-            let names = path.names.join("\n    -> ");
-            // The way is worth telling without the lines, too.
-            let lines = path.last.and_then(|at| program.lines_of(at).ok());
-            bail!(
-                "{what} {}:\n       {names}{}\n{}",
-                kind.verb(),
-                lines.unwrap_or_default(),
-                kind.advice()
-            );
-        }
-    }
-    let verbs: Vec<_> = kinds.iter().map(|kind| kind.verb()).collect();
-    println!(
-        "{what}: {} functions and constants, nothing that {}",
-        reach.names().count(),
-        verbs.join(", ")
-    );
-    Ok(())
 }

@@ -1,5 +1,9 @@
 //! Code that a solver for a microcontroller must not contain, told by its symbols.
 
+use crate::program::Program;
+use anyhow::{Result, bail};
+use twin::graph::{self, Reach};
+
 /// A kind of unwanted code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unwanted {
@@ -107,6 +111,35 @@ const C_DOUBLE: [&str; 16] = [
     "sqrt", "cbrt", "fma", "fmod", "floor", "ceil", "trunc", "round", "rint", "sin", "cos", "tan",
     "atan", "atan2", "exp", "pow",
 ];
+
+/// A way to code of this kind, if there is one.
+pub fn find<'r>(reach: &'r Reach<'_>, kind: Unwanted) -> Option<graph::Path<'r>> {
+    reach.path(|name| kind.is(name))
+}
+
+/// Fails if anything unwanted is reachable, and says by which way.
+pub fn clean(what: &str, program: &Program, reach: &Reach<'_>, kinds: &[Unwanted]) -> Result<()> {
+    for kind in kinds {
+        if let Some(path) = find(reach, *kind) {
+            let names = path.names.join("\n    -> ");
+            // The way is worth telling without the lines, too.
+            let lines = path.last.and_then(|at| program.lines_of(at).ok());
+            bail!(
+                "{what} {}:\n       {names}{}\n{}",
+                kind.verb(),
+                lines.unwrap_or_default(),
+                kind.advice()
+            );
+        }
+    }
+    let verbs: Vec<_> = kinds.iter().map(|kind| kind.verb()).collect();
+    println!(
+        "{what}: {} functions and constants, nothing that {}",
+        reach.names().count(),
+        verbs.join(", ")
+    );
+    Ok(())
+}
 
 #[cfg(test)]
 mod tests {
