@@ -112,8 +112,10 @@ def test_other_threads_run_meanwhile(pair):
 @pytest.mark.parametrize("work", ["solve", "life", "limits"])
 def test_ctrl_c_stops(work):
     path = FOLDER / "spindles" / "7014c_back_to_back.toml"
+    # A shell that runs the tests in the background has them ignore Ctrl-C.
     code = f"""
-import numpy as np, pandas as pd, spindle_bearing as sb
+import numpy as np, pandas as pd, signal, spindle_bearing as sb
+signal.signal(signal.SIGINT, signal.default_int_handler)
 spindle = sb.Spindle.read({str(path)!r})
 frame = pd.DataFrame(dict.fromkeys({LOADS}, 0.0), index=range(3_000_000)).assign(speed_rpm=9000.0, time_s=np.arange(3_000_000) / 1000)
 frame.fx_n = 400 * np.sin(np.arange(3_000_000))
