@@ -11,8 +11,14 @@
 //!
 //! Here a step is a difference of two blocks ([`blocks`](crate::blocks)) between which the loads have changed. Its residual at a probe is
 //! `r = y - (g + h) (u + s F c)`. There `y` is the measured motion, `u` the computed one, `F` the loads and `s` the motion by a newton of their
-//! error. Its slopes are `(g + h) du/dl` by `l` and `d`, `u` by `g` and `h`, `(g + h)` times the motion across the probe by `a`, and `(g + h) s F` by
-//! `c`. Its variance is that of the blocks, and of a model that is not the spindle.
+//! error. Its slopes are
+//!
+//! - by `l` and `d`: `(g + h) du/dl`,
+//! - by `g` and `h`: `u`,
+//! - by `a`: `(g + h)` times the motion across the probe,
+//! - by `c`: `(g + h) s F`.
+//!
+//! Its variance is that of the blocks, and of a model that is not the spindle.
 //!
 //! Load cells have gains, and each sees some of the other loads: 2 % of a load, in any direction. That makes the same error in each step of a
 //! cut, and again when its tool comes back. As noise it would seem smaller with each step. It is linear in the loads: so many states know all

@@ -1,4 +1,4 @@
-//! One solver, for `cargo reports` and `cargo check-firmware`. An emulator calls its entry points one at a time,
+//! One solver, for `cargo reports`. An emulator calls its entry points one at a time,
 //! each with its input and its output at fixed symbols.
 //!
 //! The build says the precision (`MEASURED_PRECISION`) and the scene (`MEASURED_SCENE`), so that a program has one

@@ -135,7 +135,7 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
         environment: &[("SPINDLE", spindle.as_deref())],
         ..Build::default()
     };
-    // The firmware's last crate takes one core, and so do the tools of the emulator.
+    // The firmware's last crate takes one core for half a minute: the other one builds the twin.
     let (built, twin) = thread::scope(|scope| {
         let built = scope.spawn(|| build.run(root));
         let twin = cross::twin(root, spindle.as_deref());

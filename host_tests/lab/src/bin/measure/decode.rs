@@ -33,7 +33,7 @@ fn bits(name: &str) -> u64 {
 }
 
 /// Bits of all registers in a text.
-fn registers(text: &str) -> u64 {
+fn registers_in(text: &str) -> u64 {
     let names = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     names.fold(0, |all, name| all | bits(name))
 }
@@ -67,8 +67,8 @@ fn timed(instruction: &Named) -> Result<Timed> {
         .split_once('[')
         .unwrap_or((&instruction.operands, ""));
     let (address, behind) = address.split_once(']').unwrap_or((address, ""));
-    let registers = registers(before) | registers(behind);
-    let indexed = self::registers(address).count_ones() > 1;
+    let registers = registers_in(before) | registers_in(behind);
+    let indexed = registers_in(address).count_ones() > 1;
     let class = class(mnemonic, indexed)
         .with_context(|| format!("no timing for `{mnemonic}`: add it to `CLASSES`"))?;
     let double = (registers >> 32).count_ones() > 1 && mnemonic.contains(".f64")

@@ -48,8 +48,6 @@ struct Watch {
     count: Count,
     /// The address behind the last block.
     end: Option<u32>,
-    /// The word that shows the cycles, where the program has one.
-    counter: u32,
     /// Cycles at each look of the program at the counter, and the address of the instruction that looks.
     looks: Vec<u32>,
     lookers: Vec<u32>,
@@ -104,8 +102,8 @@ impl Hooks for Watch {
         self.keep(memory, done);
     }
 
-    fn read(&mut self, memory: &Memory, _: u32) {
-        let done = self.show(memory, self.counter);
+    fn read(&mut self, memory: &Memory, address: u32) {
+        let done = self.show(memory, address);
         self.keep(memory, done);
     }
 }
@@ -125,7 +123,6 @@ impl Machine {
             blocks: HashMap::new(),
             count: Count::default(),
             end: None,
-            counter: 0,
             looks: Vec::new(),
             lookers: Vec::new(),
             failure: None,
@@ -148,7 +145,6 @@ impl Machine {
 
     /// Has the word at this address show the cycles of a call whenever the program looks at it.
     pub fn count_at(&mut self, address: u32) -> Result<()> {
-        self.core.hooks_mut().counter = address;
         self.core.watch(address)
     }
 
@@ -214,10 +210,8 @@ impl Machine {
     /// Reads a word.
     pub fn word(&self, address: u32) -> Result<u32> {
         let bytes = self.read(address, 4)?;
-        Ok(bytes
-            .into_iter()
-            .rev()
-            .fold(0, |word, byte| word << 8 | u32::from(byte)))
+        let word = bytes.first_chunk().context("a word has four bytes")?;
+        Ok(u32::from_le_bytes(*word))
     }
 
     /// Writes memory.

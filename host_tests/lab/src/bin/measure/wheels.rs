@@ -58,7 +58,7 @@ impl Wheels {
                 run(make.args(["-m", "venv"]).arg(&folder))?;
                 let mut install = Command::new(&python);
                 run(install
-                    .args(["-m", "pip", "install", "--quiet"])
+                    .args(["-m", "pip", "install", "--quiet", "--only-binary=:all:"])
                     .args(PACKAGES))?;
                 places().context("the wheels of the emulator have no libraries for this system")?
             }
