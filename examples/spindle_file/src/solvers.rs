@@ -243,11 +243,25 @@ pub fn with_solver<O>(
     precision: Precision,
     f: impl FnOnce(&mut dyn AnySolver) -> O,
 ) -> Result<O, BuildError> {
+    let (mut f, mut output) = (Some(f), None);
+    let mut once = |solver: &mut dyn AnySolver| output = f.take().map(|f| f(solver));
+    hand_solver(plan, balls, precision, &mut once)?;
+    Ok(output.expect("whoever is handed a solver returns"))
+}
+
+/// [`with_solver`], without a type of the caller's in it: all solvers are compiled here, once, and not in each crate that calls.
+fn hand_solver(
+    plan: &Plan,
+    balls: Balls,
+    precision: Precision,
+    f: &mut dyn FnMut(&mut dyn AnySolver),
+) -> Result<(), BuildError> {
     let plan = closed(plan)?;
-    Ok(match precision {
+    match precision {
         Precision::F32 => f(&mut *solver(&Parts::<f32>::of(&plan)?, &plan, balls)?),
         Precision::F64 => f(&mut *solver(&Parts::<f64>::of(&plan)?, &plan, balls)?),
-    })
+    }
+    Ok(())
 }
 
 /// A solver for this motion of the balls, of a plan and its parts.
