@@ -12,6 +12,7 @@
 
 #[cfg(feature = "programs")]
 pub mod arguments;
+#[cfg(feature = "solver")]
 pub mod board;
 #[cfg(feature = "full")]
 pub mod chart;
@@ -22,22 +23,29 @@ pub mod drawing;
 #[cfg(feature = "board")]
 pub mod emulator;
 pub mod fault;
+#[cfg(feature = "solver")]
 pub mod lifetime;
+#[cfg(feature = "solver")]
 pub mod limits;
 mod lines;
 pub mod milling_cycle;
+#[cfg(feature = "solver")]
 pub mod options;
 #[cfg(feature = "programs")]
 pub mod output;
 pub mod quantities;
 pub mod random;
 pub mod recordings;
+#[cfg(feature = "solver")]
 pub mod replay;
+#[cfg(feature = "solver")]
 pub mod response;
+#[cfg(feature = "solver")]
 pub mod sensitivity;
 pub mod stream;
 pub mod telemetry;
 pub mod times;
+#[cfg(feature = "solver")]
 pub mod truth;
 pub mod warm_up;
 

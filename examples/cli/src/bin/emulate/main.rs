@@ -132,10 +132,15 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let build = Build {
         package: cross::F405,
         program: "spindle_firmware",
+        // The shipped one is kept beside that of a file.
+        profile: match spindle {
+            Some(_) => &["package.spindle_firmware.debug=1"],
+            None => &[],
+        },
         environment: &[("SPINDLE", spindle.as_deref())],
         ..Build::default()
     };
-    // The firmware's last crate takes one core for half a minute: the other one builds the twin.
+    // The firmware takes half a minute, of one core in the end: the other one builds the twin.
     let (built, twin) = thread::scope(|scope| {
         let built = scope.spawn(|| build.run(root));
         let twin = cross::twin(root, spindle.as_deref());
