@@ -89,7 +89,7 @@ fn preload_is_found_whatever_the_spindle_is_and_changes_are_told_from_each_other
 }
 
 #[test]
-#[ignore = "other seeds take a minute"]
+#[ignore = "a minute; `.ci/run` runs it with CI_LONG=1"]
 fn preloads_of_twenty_seeds_are_found() {
     let broken: Vec<_> = (1..=20).flat_map(broken).collect();
     assert!(broken.is_empty(), "{broken:?}");
