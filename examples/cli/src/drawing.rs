@@ -1,12 +1,12 @@
 //! A spindle as a drawing in section: shaft with its diameters, rows with contact lines, supports, loads, noses and probes over an
 //! axis in mm.
 
+use solvers::dispatch::Precision;
+use solvers::{Balls, with_solver};
 use spindle_bearing::{FreeContact, Preload, Section, ShaftLoad, Support};
 use spindle_file::designs::{DesignFile, short};
-use spindle_file::dispatch::Precision;
 use spindle_file::plan::{Plan, Question, Row};
 use spindle_file::probes::Probe;
-use spindle_file::solvers::{Balls, with_solver};
 use spindle_file::spindles::SpindleFile;
 
 const WIDTH: f64 = 1000.0;

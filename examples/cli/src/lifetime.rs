@@ -2,8 +2,8 @@
 
 use crate::times::PAUSE;
 use serde::Serialize;
+use solvers::{Answer, LIFT_OFF};
 use spindle_bearing::{Limit, RatingLife};
-use spindle_file::solvers::{Answer, LIFT_OFF};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt;

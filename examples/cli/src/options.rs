@@ -3,9 +3,9 @@
 use crate::lifetime::Lifetime;
 use crate::replay::Job;
 use anyhow::{Context, Result, bail, ensure};
+use solvers::dispatch::{Attitude, Precision};
+use solvers::{Balls, Choices};
 use spindle_bearing::Limits;
-use spindle_file::dispatch::{Attitude, Precision};
-use spindle_file::solvers::{Balls, Choices};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::tick::Core;
 

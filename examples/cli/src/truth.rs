@@ -5,10 +5,10 @@
 
 use crate::random::Random;
 use anyhow::Result;
+use solvers::dispatch::Precision;
+use solvers::{Balls, with_solver};
 use spindle_bearing::Preload;
-use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
-use spindle_file::solvers::{Balls, with_solver};
 use spindle_file::spindles::SpindleFile;
 use std::f64::consts::TAU;
 use std::fmt::Write;

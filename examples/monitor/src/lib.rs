@@ -98,7 +98,7 @@
 
 #![no_std]
 
-#[cfg(any(test, feature = "mock"))]
+#[cfg(test)]
 extern crate std;
 
 mod accuracy;
@@ -115,8 +115,6 @@ pub mod life;
 pub mod loads;
 pub mod log;
 pub mod marks;
-#[cfg(feature = "mock")]
-pub mod mock;
 pub mod outbox;
 pub mod pairs;
 pub mod plausibility;

@@ -5,11 +5,11 @@ use crate::reference::{Reference, Task};
 use cli::random::Random;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use solvers::dispatch::Attitude;
 use spindle_bearing::{
     Arrangement, BallState, Design, Facing, FreeContact, Growth, Material, Preload, Section,
     Support,
 };
-use spindle_file::dispatch::Attitude;
 use spindle_file::plan::{self, ElasticShaft, Plan, Question, ShaftEnd};
 use std::f64::consts::{PI, TAU};
 

@@ -8,8 +8,8 @@
 //! | stiffness | of `K_ij`, over `sqrt(abs(K_ii K_jj))` |
 
 use serde::{Deserialize, Deserializer};
+use solvers::Answer;
 use spindle_bearing::{BallState, Design};
-use spindle_file::solvers::Answer;
 
 /// A solution, whoever found it; the letters are as in the files of solved cases.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -4,7 +4,7 @@
 //! over random ones of the same kind.
 
 use crate::compare::Errors;
-use spindle_file::dispatch::Precision;
+use solvers::dispatch::Precision;
 
 const fn errors(displacement: f64, contact_angle: f64, force: f64, stiffness: f64) -> Errors {
     Errors {

@@ -3,11 +3,11 @@
 use crate::malformed::{self, HEADER};
 use cli::milling_cycle::RECORD;
 use cli::recordings::{Loads, Wanted};
+use solvers::dispatch::{Attitude, Precision};
+use solvers::{AnySolver, Balls, with_solver};
 use spindle_bearing::{BallKinematics, BallState, RatingLife, Speed};
 use spindle_file::designs::SHIPPED;
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::loads::LoadRow;
-use spindle_file::solvers::{AnySolver, Balls, with_solver};
 use spindle_file::spindles::SpindleFile;
 use std::f64::consts::PI;
 use std::io::{self, Cursor, Read, Write};

@@ -2,11 +2,11 @@
 
 use cli::milling_cycle::{CRASH, Place, recorded};
 use cli::telemetry::simulated::MONITOR;
+use mock::rig::Rig;
 use spindle_file::loads::LoadRow;
 use spindle_firmware::spindle::{ROWS, SPINDLE};
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::LoadSample;
-use spindle_monitor::mock::rig::Rig;
 use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Outcome, Readings};
 
 /// A tick with a row of the recording, which carries the speed.

@@ -1,8 +1,8 @@
 //! The monitor for a day.
 
 use cli::milling_cycle::{Place, recorded};
+use mock::rig::{Counter, Dog, SINGLE, settings};
 use spindle_monitor::loads::LoadSample;
-use spindle_monitor::mock::rig::{Counter, Dog, SINGLE, settings};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::Widened;

@@ -1,14 +1,14 @@
 //! The stiffness at the nose is what a dial gauge finds there: one force or moment more, over the displacement that it makes.
 
 use cli::replay::{Job, Table, replay};
+use solvers::dispatch::Precision;
+use solvers::{Balls, Choices, with_solver};
 use spindle_bearing::{
     Arrangement, Bearing, Facing, Material, Mounted, Preload, RacewayControlFree, Section,
     Settings, Shaft, ShaftLoad, Speed, Spindle, SpindleSolver, Support,
 };
 use spindle_file::designs::SHIPPED;
-use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
-use spindle_file::solvers::{Balls, Choices, with_solver};
 use spindle_file::spindles::SpindleFile;
 use spindle_firmware::spindle::{BEARING_0, DESIGN_0};
 use spindle_monitor::loads::LoadSample;

@@ -5,13 +5,13 @@ use cli::fault::LoadsError;
 use cli::random::Random;
 use cli::recordings::{Loads, Wanted};
 use cli::replay::{Job, Output, Summary, Table, replay};
+use solvers::dispatch::Precision;
+use solvers::{AnySolver, Balls, Choices, with_solver};
 use spindle_bearing::{Design, FreeContact, Material};
 use spindle_file::designs::{DesignFile, SHIPPED};
-use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
 use spindle_file::plan::BALL_COUNTS;
 use spindle_file::plan::{Plan, Question};
-use spindle_file::solvers::{AnySolver, Balls, Choices, with_solver};
 use spindle_file::spindles::SpindleFile;
 use std::io::Cursor;
 

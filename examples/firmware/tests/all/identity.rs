@@ -1,12 +1,12 @@
 //! Whose data a board keeps: the shipped spindle's identity, and the changes of its file that keep it.
 
 use super::spindle::{MONITOR, SPINDLE};
+use mock::flash::FailingFlash;
 use spindle_file::spindles::SpindleFile;
 use spindle_firmware::spindle;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::estimator::{KEPT, Kept};
-use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::retained::Recovery;
 use spindle_monitor::tick::Core;
 use spindle_monitor::{Alarm, Identity, Judgement, Life, Store};

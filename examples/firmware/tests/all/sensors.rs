@@ -3,6 +3,7 @@
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, Operation, SpiDevice};
+use mock::rig::{IDLE, Rig, SETTINGS, SPEED, at_speed};
 use spindle_file::calibration::{Loads, loads};
 use spindle_firmware::bridges::{
     AdcError, Ads131m08, Ads131m08Bridges, Ads131m08Config, BridgeAdc, Calibration,
@@ -12,7 +13,6 @@ use spindle_firmware::bus::Bus;
 use spindle_firmware::spindle::TACHOMETER;
 use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedError, SpeedSource};
 use spindle_monitor::loads::{LoadSample, LoadSource};
-use spindle_monitor::mock::rig::{IDLE, Rig, SETTINGS, SPEED, at_speed};
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings};
 use std::array;
 use std::collections::VecDeque;

@@ -2,9 +2,9 @@
 
 use super::shipped::shipped;
 use super::spindle::MONITOR;
+use mock::rig::{IDLE, Rig, at_speed, settings};
 use spindle_monitor::alarms::Threshold;
 use spindle_monitor::judgement::{AlarmChange, AlarmMachine, Level};
-use spindle_monitor::mock::rig::{IDLE, Rig, at_speed, settings};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, Mark, Readings, TemperatureSource};
 

@@ -2,6 +2,8 @@
 
 use super::shipped::{at_nose, shipped};
 use super::spindle::MONITOR;
+use mock::cuts::{Cut, TICKS, cuts, tooth};
+use mock::rig::{B7005C, BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use spindle_bearing::{
     Arrangement, ElasticSpindle, Facing, Material, Mounted, Preload, Section, Shaft, Spindle,
     Support,
@@ -9,10 +11,6 @@ use spindle_bearing::{
 use spindle_monitor::board::Check;
 use spindle_monitor::command::{AnswerCode, ORDER_EVERY, Order, Request};
 use spindle_monitor::judgement::AlarmChange;
-use spindle_monitor::mock::cuts::{Cut, TICKS, cuts, tooth};
-use spindle_monitor::mock::rig::{
-    B7005C, BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed,
-};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, BoardReport, Mark, Outcome, Readings};
 

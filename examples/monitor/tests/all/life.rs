@@ -1,11 +1,11 @@
 //! Rating life that the monitor counts, against the life under the loads as they are.
 
+use mock::cuts::{passed, tooth};
+use mock::rig::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use spindle_bearing::{
     Arrangement, Bearing, Design, LifeRating, Preload, RatingLife, Settings, Solver, Speed,
     Spindle, SpindleSolver,
 };
-use spindle_monitor::mock::cuts::{passed, tooth};
-use spindle_monitor::mock::rig::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Life, Mark, Marks, Readings};
 

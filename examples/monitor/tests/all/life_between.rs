@@ -1,6 +1,7 @@
 //! Life that the shipped pair's monitor counts, against the life under the load of every tick, solved in double precision.
 
 use super::spindle::{BORE, MONITOR, REACH, SECTIONS, SPINDLE};
+use mock::rig::{B7005C, Rig};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use spindle_bearing::{
@@ -8,7 +9,6 @@ use spindle_bearing::{
     RacewayControlFree, RatingLife, Settings, Shaft, Speed, Spindle, SpindleSolver, Support,
 };
 use spindle_monitor::loads::LoadSample;
-use spindle_monitor::mock::rig::{B7005C, Rig};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Marks, Readings, TemperatureSettings};
 use std::array::from_fn;

@@ -1,9 +1,9 @@
 //! Law of `monitor::log`: a start finds the newest record that was verified, or a complete one that was begun since.
 
+use mock::flash::{ERASE, FailingFlash, Leftover};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng};
 use spindle_monitor::log::{Counts, Log, PAYLOAD, WriteError};
-use spindle_monitor::mock::flash::{ERASE, FailingFlash, Leftover};
 use std::ops::Range;
 
 const SECTOR: usize = 1024;

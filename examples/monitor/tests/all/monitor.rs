@@ -2,12 +2,10 @@
 
 use super::shipped::{at_nose, shipped};
 use super::spindle::{MONITOR, SPINDLE};
+use mock::rig::{B7005C, BEARING, IDLE, Rig, SETTINGS, SINGLE, SPEED, at_speed, settings};
 use spindle_bearing::{RacewayControlFree, Settings, Solver, Speed, SpindleSolver};
 use spindle_monitor::judgement::AlarmChange;
 use spindle_monitor::loads::{FramedLoads, LoadSource};
-use spindle_monitor::mock::rig::{
-    B7005C, BEARING, IDLE, Rig, SETTINGS, SINGLE, SPEED, at_speed, settings,
-};
 use spindle_monitor::record::{self, LoadRecord};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Alarm, AlarmState, Mark, Marks, Monitor, Readings};

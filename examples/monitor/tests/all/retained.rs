@@ -2,6 +2,8 @@
 
 use super::estimator::{SETTINGS as SETTINGS_OF_PROBES, taught};
 use embedded_storage::nor_flash::NorFlash;
+use mock::flash::FailingFlash;
+use mock::rig::{B7005C, SINGLE};
 use spindle_monitor::Alarm;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::command::{AnswerCode, Request};
@@ -10,8 +12,6 @@ use spindle_monitor::estimator::{Constants, Estimator, Kept as KeptEstimates};
 use spindle_monitor::judgement::{AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
-use spindle_monitor::mock::flash::FailingFlash;
-use spindle_monitor::mock::rig::{B7005C, SINGLE};
 use spindle_monitor::retained::{
     Identity, LIFE_US, Past, Recovery, RetentionReport, Store, VERSION,
 };

@@ -2,9 +2,9 @@
 
 use super::shipped::shipped;
 use super::spindle::SPINDLE;
+use mock::rig::SPEED;
 use spindle_monitor::BoardReport;
 use spindle_monitor::board::Check;
-use spindle_monitor::mock::rig::SPEED;
 use spindle_monitor::self_check::KnownAnswer;
 
 /// The preload, N.

@@ -1,7 +1,7 @@
 //! The shipped spindle's monitor, and loads at its nose.
 
 use super::spindle::{MONITOR, SPINDLE};
-use spindle_monitor::mock::rig::Rig;
+use mock::rig::Rig;
 
 /// The spindle and its monitor.
 pub(super) fn shipped() -> Rig<2, 2> {

@@ -1,10 +1,10 @@
 //! The spindle that the firmware is shipped for: two bearings back to back on a hollow shaft in a housing that gives way.
 
+use mock::rig::{B7005C, BEARING};
 use spindle_bearing::{
     Arrangement, ElasticSpindle, Expansion, Facing, Material, Mounted, Preload, Section, Shaft,
     Spindle, Support,
 };
-use spindle_monitor::mock::rig::{B7005C, BEARING};
 use spindle_monitor::settings::{MonitorSettings, RowSettings};
 use spindle_monitor::temperature::TemperatureSettings;
 use spindle_monitor::tick::{Core, TickSettings};

@@ -1,10 +1,10 @@
 //! Spindle files that are wrong in one place: the firmware's build and `cargo replay` refuse them with one message, at its line
 //! and column.
 
+use solvers::dispatch::Precision;
+use solvers::{Balls, with_solver};
 use spindle_file::designs::SHIPPED;
-use spindle_file::dispatch::Precision;
 use spindle_file::mounting::board;
-use spindle_file::solvers::{Balls, with_solver};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::tick::Core;
 use std::path::Path;

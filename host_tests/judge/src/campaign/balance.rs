@@ -2,8 +2,8 @@
 
 use super::families::{Tick, Trial};
 use crate::compare::worse;
+use solvers::dispatch::Attitude;
 use spindle_bearing::{BallState, Design, FreeContact};
-use spindle_file::dispatch::Attitude;
 use std::array::from_fn;
 
 /// Forces that count as part of a load or of a ball's forces, of all forces about: what rounding moves is far less.

@@ -5,10 +5,10 @@ use super::families::{Family, Tick, Trial};
 use super::sets::Set;
 use crate::compare::Equilibrium;
 use crate::reference::{Failure, Task, small_solve};
+use solvers::dispatch::Precision;
+use solvers::{self, Balls, with_solver};
 use spindle_bearing::BallState;
-use spindle_file::dispatch::Precision;
 use spindle_file::plan::{Plan, Question};
-use spindle_file::solvers::{self, Balls, with_solver};
 use std::array::from_fn;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

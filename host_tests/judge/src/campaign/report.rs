@@ -2,7 +2,7 @@
 
 use super::families::Family;
 use super::judge::Record;
-use spindle_file::dispatch::Precision;
+use solvers::dispatch::Precision;
 use std::array::from_fn;
 
 /// Median, 99th percentile and worst; NaN of nothing.

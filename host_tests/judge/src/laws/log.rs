@@ -5,11 +5,11 @@
 use crate::laws::common::{Ends, run_of};
 use arbitrary::{Arbitrary, Result, Unstructured};
 use crc::{CRC_32_ISO_HDLC, Crc};
+use mock::flash::FailingFlash;
 use spindle_monitor::board::ResetCause;
 use spindle_monitor::enumset::EnumSet;
 use spindle_monitor::estimator::{KEPT, Kept as KeptEstimates};
 use spindle_monitor::log::{Log, PAYLOAD};
-use spindle_monitor::mock::flash::FailingFlash;
 use spindle_monitor::retained::{NorFlash, Recovery, RetentionReport, VERSION};
 use spindle_monitor::{Alarm, Identity, Judgement, Life, Past, Store};
 use std::ops::Range;

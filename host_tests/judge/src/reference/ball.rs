@@ -5,7 +5,7 @@ use super::linear::small_solve;
 use super::number::{Dual, Scalar};
 use crate::double_double::Dd;
 use core::array::from_fn;
-use spindle_file::dispatch::Attitude;
+use solvers::dispatch::Attitude;
 
 /// Everything the equations of one ball yield.
 #[derive(Debug, Clone, Copy)]

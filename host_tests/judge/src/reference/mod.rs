@@ -31,8 +31,8 @@ pub(crate) use linear::small_solve;
 use newton::Stage;
 pub use newton::Task;
 use number::Scalar;
+use solvers::dispatch::Attitude;
 use spindle_bearing::{BallState, Design, FreeContact, Material};
-use spindle_file::dispatch::Attitude;
 
 /// How a solve ended without a solution.
 #[derive(Debug, Clone, Copy, PartialEq)]

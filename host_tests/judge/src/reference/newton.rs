@@ -7,7 +7,7 @@ use super::{Failure, Reference};
 use crate::compare::Equilibrium;
 use crate::double_double::Dd;
 use core::array::from_fn;
-use spindle_file::dispatch::Attitude;
+use solvers::dispatch::Attitude;
 
 /// State of the whole system in the f64 stage.
 #[derive(Clone)]

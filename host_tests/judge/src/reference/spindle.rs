@@ -25,9 +25,9 @@ use crate::compare::{Equilibrium, worse};
 use crate::double_double::Dd;
 use core::array::from_fn;
 use core::f64::consts::PI;
+use solvers::Answer;
 use spindle_bearing::{Growth, Material, Preload, Section, Support};
 use spindle_file::plan::{ElasticShaft, Plan};
-use spindle_file::solvers::Answer;
 
 /// `EA`, `EI` and `kappa GA` of a section, with Cowper's (1966) shear factor.
 pub fn stiffnesses(section: &Section, material: &Material) -> [f64; 3] {

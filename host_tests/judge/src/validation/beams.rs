@@ -2,9 +2,9 @@
 
 use super::case::{Case, with, with_matrix};
 use crate::reference::spindle::stiffnesses;
+use solvers::Answer;
 use spindle_bearing::{Material, Section, Support};
 use spindle_file::plan::{ElasticShaft, ShaftEnd};
-use spindle_file::solvers::Answer;
 
 /// The section from the nose to the last row, and its material, if the shaft is elastic.
 fn section(case: &Case, last: f64) -> Option<(Section, Material)> {

@@ -4,7 +4,7 @@
 
 use anyhow::Context;
 use serde::Deserialize;
-use spindle_file::dispatch::Attitude;
+use solvers::dispatch::Attitude;
 use std::collections::BTreeMap;
 
 /// The file of claims.

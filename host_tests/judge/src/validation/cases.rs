@@ -7,15 +7,15 @@ use crate::cases::{rad_per_s, reference};
 use crate::reference::{Reference, Task};
 use anyhow::{Context, anyhow};
 use rayon::prelude::*;
+use solvers::dispatch::Precision;
+use solvers::{Balls, with_solver};
 use spindle_bearing::{
     Design, Facing, FreeContact, HertzContact, LifeRating, Material, Preload, RatingLife,
     elliptic_integrals,
 };
 use spindle_file::catalogue;
 use spindle_file::designs::DesignFile;
-use spindle_file::dispatch::Precision;
 use spindle_file::plan::{Plan, Question, Row};
-use spindle_file::solvers::{Balls, with_solver};
 use spindle_file::spindles::SpindleFile;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};

@@ -12,11 +12,11 @@ use judge::laws::common::{
 };
 use judge::tolerances::allowed_at;
 use proptest::prelude::*;
+use solvers::dispatch::Precision;
 use spindle_bearing::{
     AxialSolver, Bearing, Centrifugal, Design, FreeContact, Given, Growth, InnerRaceControl,
     Motion, OuterRaceControl, RacewayControlFree, Real, Settings, Speed, Static, Status,
 };
-use spindle_file::dispatch::Precision;
 
 /// A solver of one ball for all.
 fn axial_solver(

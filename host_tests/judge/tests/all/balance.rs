@@ -8,8 +8,8 @@ use judge::campaign::families::{Family, Trial};
 use judge::cases::{B218, B7005C, SKF6205, rad_per_s};
 use judge::compare::Equilibrium;
 use rayon::prelude::*;
+use solvers::dispatch::Precision;
 use spindle_bearing::Design;
-use spindle_file::dispatch::Precision;
 use spindle_file::plan::Plan;
 
 fn assert_balances(design: &Design, balls: Balls, load: [f64; 5], found: &Answer) {

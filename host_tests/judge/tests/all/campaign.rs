@@ -4,7 +4,7 @@ use judge::campaign::families::Family::{self, *};
 use judge::campaign::families::Trial;
 use judge::campaign::judge::{Record, Verdict, judge};
 use judge::campaign::{Plan, contract, run};
-use spindle_file::dispatch::Precision;
+use solvers::dispatch::Precision;
 
 fn small_campaign(seed: u64, solves: usize, of_sets: bool) -> Vec<Record> {
     let plan = Plan {

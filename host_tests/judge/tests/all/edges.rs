@@ -4,10 +4,10 @@ use super::solves::{Answer, Balls, PRECISIONS, Question, ask, mirrored, off_mirr
 use judge::cases::{B218, SKF6205, rad_per_s};
 use judge::compare::stiffness_error;
 use rayon::prelude::*;
+use solvers::dispatch::Precision;
+use solvers::with_solver;
 use spindle_bearing::{Bearing, Design, FreeContact, Growth, Settings, Solver, Speed, Status};
-use spindle_file::dispatch::Precision;
 use spindle_file::plan::Plan;
-use spindle_file::solvers::with_solver;
 
 /// Eight balls, no clearance: what a newcomer tries first.
 const EIGHT: Design = Design {

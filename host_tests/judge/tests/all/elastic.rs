@@ -6,8 +6,8 @@ use cli::random::Random;
 use judge::cases::B7005C;
 use judge::compare::Equilibrium;
 use rayon::prelude::*;
+use solvers::dispatch::{Attitude, Precision};
 use spindle_bearing::{Arrangement, Facing, Preload, Section, ShaftLoad, Support};
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::plan::{ElasticShaft, Plan, Question};
 use std::array::from_fn;
 

@@ -8,8 +8,8 @@ use judge::compare::{Equilibrium, stiffness_error, worse};
 use judge::reference::Task;
 use judge::reference::spindle::Solver;
 use rayon::prelude::*;
+use solvers::dispatch::{Attitude, Precision};
 use spindle_bearing::{Arrangement, Facing, Preload, Section, ShaftLoad, Support};
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::plan::{ElasticShaft, Plan, Question, Row};
 use std::array::from_fn;
 

@@ -3,14 +3,14 @@
 use super::solves::{Answer, Balls, ask};
 use cli::random::Random;
 use judge::cases::B7005C;
+use solvers::dispatch::Precision;
+use solvers::with_solver;
 use spindle_bearing::{
     Arrangement, Bearing, Growth, Material, Preload, Section, Settings, Shaft, ShaftLoad, Speed,
     Spindle, SpindleSolver, Support,
 };
 use spindle_file::designs::{DesignFileError, SHIPPED};
-use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
-use spindle_file::solvers::with_solver;
 use spindle_file::spindles::SpindleFile;
 use std::path::Path;
 

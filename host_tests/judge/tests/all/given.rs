@@ -8,10 +8,10 @@ use cli::random::Random;
 use judge::cases::{B7005C, rad_per_s};
 use proptest::prelude::*;
 use rayon::prelude::*;
+use solvers::dispatch::Precision;
+use solvers::with_solver;
 use spindle_bearing::{Facing, Preload, Quantity, Status};
-use spindle_file::dispatch::Precision;
 use spindle_file::plan::{Plan, Row};
-use spindle_file::solvers::with_solver;
 use std::array::from_fn;
 
 #[test]

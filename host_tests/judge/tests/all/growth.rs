@@ -6,8 +6,8 @@ use super::solves::{
 use super::spindles::displacement_of;
 use judge::cases::{B7005C, sets};
 use judge::compare::{Equilibrium, stiffness_error};
+use solvers::dispatch::Precision;
 use spindle_bearing::{Expansion, FreeContact, Growth, Quantity, Status};
-use spindle_file::dispatch::Precision;
 use spindle_monitor::settings::MonitorSettings;
 
 #[test]

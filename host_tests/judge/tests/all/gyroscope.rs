@@ -9,7 +9,7 @@ use super::solves::{Question, ask};
 use judge::cases::{B218, rad_per_s};
 use judge::compare::worse;
 use nalgebra::Vector3;
-use spindle_file::dispatch::{Attitude, Precision};
+use solvers::dispatch::{Attitude, Precision};
 use spindle_file::plan::Plan;
 use std::f64::consts::{PI, TAU};
 

@@ -3,9 +3,9 @@
 use super::solves::{self, Answer, Balls, Question, ask};
 use cli::telemetry::simulated::MONITOR;
 use judge::compare::stiffness_error;
+use solvers::dispatch::Precision;
 use spindle_bearing::{Expansion, Growth, Speed};
 use spindle_file::designs::SHIPPED;
-use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
 use spindle_file::spindles::SpindleFile;
 use spindle_firmware::spindle;

@@ -3,15 +3,15 @@
 use super::solves::{Answer, Balls, ask};
 use judge::cases::SKF6205;
 use judge::compare::worse;
+use solvers::dispatch::Precision;
+use solvers::with_solver;
 use spindle_bearing::{
     Arrangement, Bearing, Design, Facing, FreeContact, Growth, LifeRating, Limit, Material,
     Mounted, Preload, Settings, Shaft, Speed, Spindle, SpindleSolution, SpindleSolver, Support,
 };
 use spindle_file::designs::{DesignFile, SHIPPED};
-use spindle_file::dispatch::Precision;
 use spindle_file::loads::LoadRow;
 use spindle_file::plan::ShaftEnd;
-use spindle_file::solvers::with_solver;
 use spindle_file::spindles::SpindleFile;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;

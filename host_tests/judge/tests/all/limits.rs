@@ -3,12 +3,12 @@
 use cli::random::Random;
 use judge::campaign::balance::friction;
 use judge::cases::{B218, B7005C, SKF6205, rad_per_s};
+use solvers::dispatch::Attitude;
 use spindle_bearing::{
     BallState, Bearing, Design, FreeContact, HertzContact, InnerRaceControl, Limit, Limits,
     Margins, Material, OuterRaceControl, Race, Real,
 };
 use spindle_bearing::{Centrifugal, Motion, RacewayControlFree, Settings, Solver, Speed, Static};
-use spindle_file::dispatch::Attitude;
 use spindle_file::plan::MOST_BALLS;
 use std::cell::Cell;
 use std::f64::consts::FRAC_PI_2;

@@ -3,12 +3,12 @@
 use super::limits::groove;
 use super::solves::{LIFTING, SKEW};
 use judge::cases::{B218, B7005C};
+use solvers::dispatch::Attitude;
 use spindle_bearing::{
     Arrangement, BallKinematics, Bearing, Design, Frequencies, HertzContact, InnerRaceControl,
     Motion, OuterRaceControl, Preload, Race, RacewayControlFree, Settings, Solver, Speed, Spindle,
     SpindleSolver,
 };
-use spindle_file::dispatch::Attitude;
 use spindle_file::plan::MOST_BALLS;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;

@@ -8,11 +8,11 @@ use cli::random::Random;
 use judge::campaign::families::{Family, Trial};
 use judge::cases::{B7005C, Case, public, sets};
 use rayon::prelude::*;
+use solvers::with_solver;
 use spindle_bearing::{
     Arrangement, Bearing, Given, Preload, Settings, Solver, Speed, Spindle, SpindleSolver, Status,
 };
 use spindle_file::plan::Plan;
-use spindle_file::solvers::with_solver;
 use std::fmt::Write;
 use std::path::Path;
 

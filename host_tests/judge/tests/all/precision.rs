@@ -9,10 +9,10 @@ use judge::cases::{B7005C, SKF6205, reference};
 use judge::compare::{Equilibrium, stiffness_error, worse};
 use judge::reference::Task;
 use judge::tolerances::allowed;
+use solvers::dispatch::{Attitude, Precision};
+use solvers::{Choices, with_solver};
 use spindle_bearing::{Design, FreeContact, Status};
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::plan::Plan;
-use spindle_file::solvers::{Choices, with_solver};
 use std::f64::consts::PI;
 
 /// Holds 400 solves in single precision along a direction to their stiffness in double precision. Rounding ends some. All

@@ -6,14 +6,14 @@ use super::solves::{
 use judge::campaign;
 use judge::campaign::families::{Family, Trial};
 use judge::cases::{B218, B7005C, rad_per_s};
+use solvers::dispatch::Precision;
+use solvers::{Choices, with_solver};
 use spindle_bearing::{
     Arrangement, AxialSolver, Bearing, Design, Facing, FreeContact, Growth, Motion, Preload,
     Quantity, RacewayControlFree, Settings, Solver, Speed, Spindle, SpindleSolver, Static, Status,
 };
-use spindle_file::dispatch::Precision;
 use spindle_file::mounting::{DynSolver, Parts};
 use spindle_file::plan::{MOST_BALLS, Plan, Row};
-use spindle_file::solvers::{Choices, with_solver};
 use std::f64::consts::PI;
 
 /// A number of a question: its name, how many freedoms a ring needs to be asked it, and where it goes.

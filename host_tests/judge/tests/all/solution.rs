@@ -6,12 +6,12 @@ use judge::compare::Equilibrium;
 use judge::reference::Task;
 use judge::tolerances::allowed;
 use serde::{Serialize, de::DeserializeOwned};
+use solvers::dispatch::{Attitude, Precision};
 use spindle_bearing::{
     Arrangement, Bearing, Design, FreeContact, LifeRating, Limit, Limits, Material, Preload,
     Section, Settings, Shaft, ShaftLoad, Snapshot, Solver, Speed, Spindle, SpindleSolver, Status,
     Support,
 };
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::plan::MOST_BALLS;
 use std::array::from_fn;
 use std::f64::consts::PI;

@@ -2,16 +2,16 @@
 
 use judge::compare::{Equilibrium, Errors, stiffness_error, worse};
 use proptest::strategy::Strategy;
+use solvers::dispatch::{Precision, narrowed, widened};
+pub use solvers::{Answer, AnySolver, Balls};
+use solvers::{Choices, RowAnswer, given, in_doubles, with_solver};
 use spindle_bearing::{
     AxialSolver, BallState, Bearing, Centrifugal, Design, ErrorEstimate, Growth, InnerRaceControl,
     Motion, OuterRaceControl, RacewayControlFree, Real, Solver, Speed, Static, Status,
 };
-use spindle_file::dispatch::{Precision, narrowed, widened};
 use spindle_file::mounting::growths;
 pub use spindle_file::plan::Question;
 use spindle_file::plan::{MOST_BALLS, Plan};
-pub use spindle_file::solvers::{Answer, AnySolver, Balls};
-use spindle_file::solvers::{Choices, RowAnswer, given, in_doubles, with_solver};
 use std::array::from_fn;
 use std::f64::consts::TAU;
 

@@ -7,10 +7,10 @@ use judge::cases::{B218, B7005C, Case, SKF6205, SolvedSet, elastic, rad_per_s, s
 use judge::compare::{Equilibrium, Errors, stiffness_error, worse};
 use judge::reference::{Task, spindle::Solver};
 use rayon::prelude::*;
+use solvers::dispatch::{Attitude, Precision};
+use solvers::{Answer, AnySolver, AtEnd, Balls, Choices, with_solver};
 use spindle_bearing::{Arrangement, Design, Facing, Growth, Preload, Section, Status, Support};
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::plan::{ElasticShaft, MOST_ROWS, Plan, Question, Row};
-use spindle_file::solvers::{Answer, AnySolver, AtEnd, Balls, Choices, with_solver};
 use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};

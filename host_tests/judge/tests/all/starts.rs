@@ -7,9 +7,9 @@ use super::solves::{
 use judge::cases::{B7005C, rad_per_s};
 use judge::compare::{Equilibrium, stiffness_error};
 use proptest::prelude::*;
+use solvers::Choices;
+use solvers::dispatch::Precision;
 use spindle_bearing::{Bearing, Design, Growth, Settings, Solver, Speed, Status};
-use spindle_file::dispatch::Precision;
-use spindle_file::solvers::Choices;
 
 #[test]
 fn solutions_do_not_depend_on_history() {

@@ -4,8 +4,8 @@ use super::solves::{Balls, LIFTING, SKEW, cold, lengths, loads, solver, vector_e
 use judge::cases::{B7005C, SKF6205, rad_per_s};
 use judge::compare::stiffness_error;
 use proptest::prelude::*;
+use solvers::dispatch::Precision;
 use spindle_bearing::Design;
-use spindle_file::dispatch::Precision;
 use std::array::from_fn;
 use std::f64::consts::TAU;
 

@@ -3,9 +3,9 @@
 use super::solves::{Answer, Balls, GROWN, LIFTING, Question, SKEW, cold, lengths, solver};
 use judge::cases::{B218, B7005C, SKF6205, rad_per_s};
 use judge::compare::{Equilibrium, stiffness_error, worse};
+use solvers::dispatch::Precision;
 use spindle_bearing::Design;
 use spindle_bearing::Growth;
-use spindle_file::dispatch::Precision;
 use std::array::from_fn;
 
 fn deepest(found: &Answer) -> f64 {

@@ -3,9 +3,9 @@
 use super::limits::{NOTHING, close, contacts, groove, scenes, shoulder, solve};
 use judge::cases::{B218, B7005C, rad_per_s};
 use judge::tolerances::allowed;
+use solvers::dispatch::Precision;
 use spindle_bearing::{Centrifugal, Motion, RacewayControlFree, Static};
 use spindle_bearing::{Design, InnerRaceControl, Limit, Limits, Margins, OuterRaceControl, Real};
-use spindle_file::dispatch::Precision;
 
 /// The number between `off` and `on` at which a limit is first passed, to the last bits.
 fn threshold(

@@ -5,7 +5,7 @@ use judge::cases::{Case, SolvedCase, public};
 use judge::compare::{Equilibrium, Errors, worse};
 use judge::tolerances::{OF_REFERENCE, allowed, allowed_at};
 use rayon::prelude::*;
-use spindle_file::dispatch::{Attitude, Precision};
+use solvers::dispatch::{Attitude, Precision};
 use spindle_file::plan::Plan;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 

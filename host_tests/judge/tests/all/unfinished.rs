@@ -5,6 +5,7 @@ use cli::milling_cycle::{Place, recorded};
 use cli::random::Random;
 use judge::cases::B7005C;
 use judge::compare::{stiffness_error, worse};
+use mock::cuts::{TICKS, cuts};
 use rayon::prelude::*;
 use spindle_bearing::{
     Arrangement, Bearing, Design, Facing, Given, Growth, Material, Mounted, Preload,
@@ -12,7 +13,6 @@ use spindle_bearing::{
     SpindleSolution, SpindleSolver, SprungSpindle, Status, Support,
 };
 use spindle_firmware::spindle;
-use spindle_monitor::mock::cuts::{TICKS, cuts};
 use std::f64::consts::TAU;
 
 /// A tick of one bearing: whether it was solved, and the errors of its stiffness, true and as stated.

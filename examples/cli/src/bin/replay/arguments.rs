@@ -9,8 +9,8 @@ use cli::options::{
 };
 use cli::quantities::OWN;
 use cli::sensitivity;
+use solvers::dispatch::{Attitude, Precision};
 use spindle_bearing::Limits;
-use spindle_file::dispatch::{Attitude, Precision};
 use spindle_file::spindles::SpindleFile;
 use spindle_monitor::tick::Core;
 use std::path::{Path, PathBuf};

@@ -14,8 +14,8 @@ use clap::Parser;
 use cli::lifetime::Lifetime;
 use cli::replay::{ReplayError, Summary, Table, replay};
 use cli::sensitivity::sensitivity;
+use solvers::with_solver;
 use spindle_file::catalogue;
-use spindle_file::solvers::with_solver;
 use std::io::{self, Write};
 use std::process::ExitCode;
 

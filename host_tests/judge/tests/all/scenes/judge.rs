@@ -7,8 +7,8 @@ use ::judge::campaign::families::{Tick, Trial};
 use ::judge::compare::{Equilibrium, worse};
 use ::judge::reference::{Reference, Task};
 use ::judge::tolerances::allowed_at;
+use solvers::dispatch::{Attitude, Precision};
 use spindle_bearing::Status;
-use spindle_file::dispatch::{Attitude, Precision};
 use std::array::from_fn;
 
 /// Factor on the table's errors that an answer may have: the families' cases are harder. The table's

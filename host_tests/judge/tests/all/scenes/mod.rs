@@ -9,8 +9,8 @@ use ::judge::campaign::families::{Family, Trial};
 use ::judge::cases::{B218, B7005C, SKF6205};
 use judge::{Scene, Tally};
 use rayon::prelude::*;
+use solvers::dispatch::Precision;
 use spindle_bearing::{Bearing, Design, Material};
-use spindle_file::dispatch::Precision;
 use std::hint::black_box;
 
 /// Freedoms of the ring, and those whose displacement is given.

@@ -4,8 +4,8 @@ use crate::solves::{Balls, Question, errors, lengths, ring_solver, size, vector_
 use ::judge::cases::{B218, B7005C, SKF6205};
 use ::judge::compare::Equilibrium;
 use ::judge::tolerances::allowed_at;
+use solvers::dispatch::Precision::{F32, F64};
 use spindle_bearing::{AxialSolver, Design, RacewayControlFree, Solver};
-use spindle_file::dispatch::Precision::{F32, F64};
 
 /// Loads from light to heavy, for a bearing of this size.
 fn loads(design: &Design) -> impl Iterator<Item = [f64; 5]> {

@@ -5,8 +5,8 @@ use crate::machine::{Count, Machine};
 use crate::timing::Core;
 use anyhow::{Result, bail};
 use lab::solves::State;
+use solvers::dispatch::Precision;
 use spindle_bearing::{Design, FreeContact};
-use spindle_file::dispatch::Precision;
 
 /// An answer; equal answers are equal to the last bit.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use cli::cross::Build;
 use judge::campaign::report::name;
 use lab::images::IMAGES;
 use object::{Object, ObjectSegment, ObjectSymbol};
-use spindle_file::dispatch::Precision;
+use solvers::dispatch::Precision;
 use std::collections::HashMap;
 use std::path::Path;
 

@@ -12,9 +12,9 @@ use lab::report::Figures;
 use lab::solves::{BALLS, STARTS, Work};
 use lab::{Axial, Clamped, Elastic, Ring, Sprung};
 use rayon::prelude::*;
+use solvers::dispatch::Precision;
 use spindle_bearing::{Bearing, Centrifugal, RacewayControlFree, Real, Settings, Static};
 use spindle_bearing::{InnerRaceControl, OuterRaceControl};
-use spindle_file::dispatch::Precision;
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -11,8 +11,8 @@ use judge::compare::stiffness_error;
 use judge::reference::Task;
 use lab::solves::{BALLS, STARTS, Work};
 use rayon::prelude::*;
+use solvers::dispatch::{Attitude, Precision};
 use spindle_bearing::{Bearing, Settings, Solver, Speed};
-use spindle_file::dispatch::{Attitude, Precision};
 
 /// Tolerances besides the default one and a tick's. Tolerances below the default are left out.
 const TOLERANCES: [f64; 6] = [1e-1, 1e-2, 1e-4, 1e-6, 1e-9, 1e-12];

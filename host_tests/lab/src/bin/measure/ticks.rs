@@ -16,7 +16,7 @@ use cli::telemetry::simulated::MONITOR as F405;
 use judge::campaign::report::Spread;
 use lab::report::Figures;
 use rayon::prelude::*;
-use spindle_file::dispatch::Precision;
+use solvers::dispatch::Precision;
 use spindle_firmware::chain::{self, Chain};
 use spindle_firmware::spindle::{BALLS, PERIOD_US, ROWS, SPINDLE, monitor_settings};
 use spindle_monitor::Past;

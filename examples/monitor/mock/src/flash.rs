@@ -5,8 +5,6 @@ use embedded_storage::nor_flash::{
 };
 use std::collections::BTreeSet;
 use std::ops::Range;
-use std::vec;
-use std::vec::Vec;
 
 /// Power that it takes to erase a sector, in bytes written.
 pub const ERASE: usize = 64;

@@ -3,15 +3,14 @@
 //! Three laws hold in every test with a [`Rig`]. No fault stops the ticks, none yields a stiffness without a mark, and no
 //! alarm is lost.
 
-use crate::command::Answer;
-use crate::judgement::AlarmChange;
-use crate::loads::LoadSample;
-use crate::settings::MonitorSettings;
-use crate::telemetry::{BallReport, EstimateReport, FrameReader, Payload, RowReport};
-use crate::tick::{CycleCounter, Watchdog};
-use crate::{Alarm, AlarmState, BoardReport, Mark, Marks, Monitor, Outcome, Readings};
 use spindle_bearing::{Arrangement, Bearing, Design, Facing, Mounted, Spindle};
-use std::vec::Vec;
+use spindle_monitor::command::Answer;
+use spindle_monitor::judgement::AlarmChange;
+use spindle_monitor::loads::LoadSample;
+use spindle_monitor::settings::MonitorSettings;
+use spindle_monitor::telemetry::{BallReport, EstimateReport, FrameReader, Payload, RowReport};
+use spindle_monitor::tick::{CycleCounter, Watchdog};
+use spindle_monitor::{Alarm, AlarmState, BoardReport, Mark, Marks, Monitor, Outcome, Readings};
 
 /// A spindle bearing, of steel throughout.
 pub const B7005C: Design = Design {

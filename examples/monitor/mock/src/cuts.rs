@@ -1,10 +1,6 @@
 //! Forces of cuts at the tool, tick by tick: teeth that pass, and ramps.
 
-use std::boxed::Box;
 use std::f64::consts::PI;
-use std::format;
-use std::string::String;
-use std::vec::Vec;
 
 /// Ticks of a cut, 1 ms each.
 pub const TICKS: u32 = 3000;

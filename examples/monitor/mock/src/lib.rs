@@ -1,4 +1,4 @@
-//! Mocks for tests of a board and of the monitor's laws: a flash that fails, cuts, a host at the monitor's link. They take `std`.
+//! Mocks for tests of a board and of the monitor's laws: a flash that fails, cuts, a host at the monitor's link.
 //!
 //! | module | has |
 //! | --- | --- |

@@ -1,16 +1,39 @@
 //! Spindles whose rows, ball counts and precision are known at run time only. A bearing is a spindle with one row; what of
 //! questions and answers does not depend on that is for solvers of bearings, too.
+//!
+//! A program that reads any spindle, and tells the stiffness at its nose over the speed:
+//!
+//! ```
+//! use solvers::{Balls, dispatch::Precision, with_solver};
+//! use spindle_file::{loads::LoadRow, spindles::SpindleFile};
+//!
+//! let file = SpindleFile::read("../spindles/milling_spindle.toml")?;
+//! let solved = with_solver(&file.plan, Balls::Free, Precision::F64, |solver| {
+//!     for speed_rpm in [0.0, 5e3, 10e3, 15e3] {
+//!         let loads = LoadRow { speed_rpm, load: [0.0, 300.0, 0.0, 0.0, 0.0], ..LoadRow::default() };
+//!         // The points that are asked for are the file's noses.
+//!         match solver.solve(&file.question(&loads)) {
+//!             Ok(answer) => println!("{speed_rpm} 1/min: {:.0} N/um", 1e-6 / answer.at[0].compliance[1][1]),
+//!             Err(status) => println!("{speed_rpm} 1/min: {status}"),
+//!         }
+//!     }
+//! });
+//! solved.map_err(|error| file.explain(&error))?;
+//! # Ok::<(), spindle_file::reading::DesignFileError>(())
+//! ```
+
+pub mod dispatch;
 
 use crate::dispatch::{
     Attitude, Precision, narrowed, wide, widened, widened_frequencies, widened_motion,
 };
-use crate::mounting::{DynSolver, DynSpindle, MOST_JOINTS, Parts, closed, growths};
-use crate::plan::{BuildError, MOST_BALLS, MOST_ROWS, Plan, Question, ShaftEnd};
 use spindle_bearing::{
     BallKinematics, BallState, Centrifugal, ErrorEstimate, Frequencies, Given, InnerRaceControl,
     Limit, LimitSet, Limits, Motion, OuterRaceControl, RacewayControlFree, Real, RowSolution,
     Settings, Speed, SpindleSolution, Static, Status,
 };
+use spindle_file::mounting::{DynSolver, DynSpindle, MOST_JOINTS, Parts, closed, growths};
+use spindle_file::plan::{BuildError, MOST_BALLS, MOST_ROWS, Plan, Question, ShaftEnd};
 use std::array::from_fn;
 
 /// How the balls move.
