@@ -1,16 +1,18 @@
-"""Fails if cargo's messages have more builds of the library than so many."""
+"""Fails if cargo's messages have more than one build of a package that all programs stand on."""
 
 import json
 import sys
 
-units = set()
+ONCE = {"spindle_bearing", "spindle_monitor", "spindle_file", "solvers"}
+
+builds = {}
 for line in sys.stdin:
     message = json.loads(line)
-    is_library = message.get("target", {}).get("name") == "spindle_bearing"
-    if message["reason"] == "compiler-artifact" and is_library:
+    name = message.get("target", {}).get("name")
+    if message["reason"] == "compiler-artifact" and name in ONCE:
         # Of a test of the library's own there is a program, and no library.
-        units.update(name for name in message["filenames"] if name.endswith(".rlib"))
-most = int(sys.argv[1])
-print(f"{len(units)} builds of the library, {most} at most")
-if len(units) > most:
-    sys.exit("\n".join(sorted(units)))
+        libraries = (file for file in message["filenames"] if file.endswith(".rlib"))
+        builds.setdefault(name, set()).update(libraries)
+print(", ".join(f"{name} {len(files)}" for name, files in sorted(builds.items())), "builds, 1 each at most")
+if builds.keys() != ONCE or any(len(files) > 1 for files in builds.values()):
+    sys.exit("\n".join(file for files in builds.values() for file in sorted(files)))

@@ -24,7 +24,7 @@ pub mod operator;
 pub mod picture;
 #[cfg(feature = "board")]
 pub mod session;
-#[cfg(feature = "simulated")]
+#[cfg(feature = "solver")]
 pub mod simulated;
 #[cfg(feature = "board")]
 pub mod source;
