@@ -134,7 +134,7 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
         program: "spindle_firmware",
         // The shipped one is kept beside that of a file.
         profile: match spindle {
-            Some(_) => &["package.spindle_firmware.debug=1"],
+            Some(_) => &["package.spindle_firmware.debug=2"],
             None => &[],
         },
         environment: &[("SPINDLE", spindle.as_deref())],
