@@ -17,6 +17,7 @@ use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{EstimateReport, FrameReader, HealthReport, Payload};
 use spindle_monitor::tick::{Core, CycleCounter, NoWatchdog};
 use spindle_monitor::{Alarm, Mark, Outcome, Past};
+use std::collections::HashSet;
 
 /// Steps of one run.
 const MOST_STEPS: usize = 32;
@@ -214,6 +215,8 @@ struct Bench {
     heard: bool,
     /// There was an estimate.
     estimated: bool,
+    /// Loads of the records that came.
+    loads: HashSet<[u32; 5]>,
     sequence: u32,
     answered: u64,
     /// Number of the record to be sent.
@@ -243,6 +246,7 @@ impl Bench {
             heard_us: None,
             heard: false,
             estimated: false,
+            loads: HashSet::new(),
             sequence: 0,
             answered: 0,
             next: 0,
@@ -262,8 +266,9 @@ impl Bench {
                 }
                 Some(Ok(Received::Command(Command::Ask(_)))) => self.asked += 1,
                 Some(Ok(Received::Command(Command::Temperatures(_) | Command::Probes(_)))) => {}
-                Some(Ok(Received::Record(_))) => {
+                Some(Ok(Received::Record(record))) => {
                     self.received += 1;
+                    self.loads.insert(record.load().map(f32::to_bits));
                     (self.damaged, self.heard) = (false, true);
                 }
                 Some(Err(_)) => {
@@ -351,6 +356,8 @@ impl Bench {
         match frame.payload {
             Payload::Estimate(report) => {
                 assert!(self.estimated);
+                let load = report.load.map(f32::to_bits);
+                assert!(self.loads.contains(&load), "no record had {report:?}");
                 assert_numbers(&report);
             }
             Payload::Rows(report) => {

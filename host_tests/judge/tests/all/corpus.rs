@@ -1,10 +1,44 @@
-//! Kept inputs of the fuzz targets, without a fuzzer. One is small, and is there for an end, a motion, a number of rows, a
-//! mark, an answer or an alarm that no other one has.
+//! Inputs of the fuzz targets, without a fuzzer: kept ones, and random ones. A kept one is small, and is there for an end, a motion, a
+//! number of rows, a mark, an answer or an alarm that no other one has.
 
+use cli::random::Random;
 use judge::laws::{Ends, log, port, spindles};
+use rayon::prelude::*;
 use spindle_monitor::retained::Recovery;
 use std::fs;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::Path;
+
+/// Replays random inputs of a target. One that breaks a law is written into its corpus.
+fn draw(target: &str, runs: u64, replay: impl Fn(&[u8]) -> Ends + Sync) {
+    (0..runs).into_par_iter().for_each(|seed| {
+        let mut random = Random::seeded(seed);
+        let length = random.below(512);
+        let input: Vec<u8> = (0..length).map(|_| random.bits() as u8).collect();
+        if let Err(cause) = panic::catch_unwind(AssertUnwindSafe(|| replay(&input))) {
+            let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
+            let path = corpus.join(target).join(format!("random-{seed}"));
+            fs::write(&path, &input).unwrap();
+            eprintln!("{} breaks a law", path.display());
+            panic::resume_unwind(cause);
+        }
+    });
+}
+
+#[test]
+fn random_spindles_break_no_law() {
+    draw("spindles", 40_000, spindles::replay);
+}
+
+#[test]
+fn random_bytes_at_the_port_break_no_law() {
+    draw("port", 6000, port::replay);
+}
+
+#[test]
+fn random_images_of_the_log_break_no_law() {
+    draw("log", 40_000, log::replay);
+}
 
 /// Replays the kept inputs of a target; all the ways in which their solves ended.
 fn replayed(target: &str, replay: impl Fn(&[u8]) -> Ends) -> Ends {
