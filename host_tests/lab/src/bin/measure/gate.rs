@@ -41,9 +41,7 @@ pub fn write(root: &Path, figures: &Figures) -> Result<()> {
 pub fn check(root: &Path) -> Result<()> {
     let committed = report::figures(root)?;
     let figures = measure(root)?;
-    for (what, now) in &figures {
-        println!("{what}: {now}");
-    }
+    println!("{}", changes(&committed, &figures));
     let mut complaints = differences(&committed, &figures);
     complaints.extend(ticks::other_constants(&committed));
     let [readme, made] = page::readme(root, &committed)?;
@@ -56,6 +54,23 @@ pub fn check(root: &Path) -> Result<()> {
         complaints.join("\n")
     );
     Ok(())
+}
+
+/// A table of the figures that are not the committed ones to the last unit, which the leeway lets pass.
+fn changes(committed: &Figures, figures: &Figures) -> String {
+    let changed = figures.iter().filter_map(|(what, now)| {
+        let before = *committed.get(what)?;
+        let percent = 100.0 * (*now as f64 / before as f64 - 1.0);
+        let row = || format!("{before:>12} {now:>12} {percent:>+7.2}  {what}");
+        (*now != before).then(row)
+    });
+    let changed: Vec<String> = changed.collect();
+    let of = format!("{} of {} figures are not", changed.len(), figures.len());
+    let head = format!(
+        "{:>12} {:>12} {:>7}  {of} those of {FIGURES}",
+        "committed", "now", "%"
+    );
+    [vec![head], changed].concat().join("\n")
 }
 
 /// Figures that are not the committed ones, or are not measured any more.
