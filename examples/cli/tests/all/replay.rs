@@ -1001,7 +1001,10 @@ fn a_signal_leaves_no_unfinished_output() {
             .args(["-s", name, &running.id().to_string()])
             .status();
         assert!(kill.unwrap().success());
+        // `wait` would end its input, and it might be done before it hears of the signal.
+        let input = running.stdin.take();
         let ended = running.wait().unwrap();
+        drop(input);
         // It ends as it would without a handler, for a shell to see.
         assert_eq!(ended.signal(), Some(number), "{ended}");
         assert_eq!(parts(&out), Vec::<PathBuf>::new(), "{name}");
