@@ -105,7 +105,7 @@ pub fn twin(root: &Path, spindle: Option<&str>) -> Result<PathBuf> {
         ])
         .arg("--message-format=json-render-diagnostics");
     match spindle {
-        // The shipped one is kept beside it.
+        // Another profile makes another build: the shipped one is kept beside it.
         Some(file) => command
             .args(["--config", "profile.dev.package.spindle_firmware.debug=0"])
             .env("SPINDLE", file),

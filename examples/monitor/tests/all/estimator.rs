@@ -201,18 +201,7 @@ fn a_blow_is_left_out_and_a_probe_that_does_not_follow_brings_no_step() {
 }
 
 #[test]
-fn a_million_steps_leave_it_as_sharp_as_some_thousand() {
-    teach_for(10);
-}
-
-#[test]
-#[ignore = "7 s; `.ci/run` runs it with CI_LONG=1"]
 fn ten_million_steps_leave_it_as_sharp_as_some_thousand() {
-    teach_for(100);
-}
-
-/// So many hundred thousand steps.
-fn teach_for(rounds: u32) {
     let (mut estimator, mut truth) = (taught(), Truth::SOUND);
     truth.teach(&mut estimator, 5000);
     let some = [
@@ -220,7 +209,7 @@ fn teach_for(rounds: u32) {
         estimator.preload_change().error,
         estimator.gain(0).error,
     ];
-    for _ in 0..rounds {
+    for _ in 0..100 {
         truth.teach(&mut estimator, 100_000);
         let now = [
             estimator.preload().error,

@@ -65,22 +65,12 @@ fn balls_off_the_inner_race_do_not_correct_the_stiffness() {
     }
 }
 
+/// Loads that people type have an answer wherever three balls carry. Every refusal is looked into.
 #[test]
 fn loads_that_people_type_are_solved() {
-    type_loads(1000);
-}
-
-#[test]
-#[ignore = "a quarter of a minute; `.ci/run` runs it with CI_LONG=1"]
-fn three_times_as_many_loads_that_people_type_are_solved() {
-    type_loads(3000);
-}
-
-/// Loads that people type have an answer wherever three balls carry. Every refusal is looked into.
-fn type_loads(trials: usize) {
     let plan = Plan {
         seed: Plan::SEED,
-        solves: trials * Family::ALL.len(),
+        solves: 3000 * Family::ALL.len(),
         of_sets: false,
         families: vec![Typed],
         searches: None,

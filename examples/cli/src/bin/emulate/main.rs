@@ -132,7 +132,7 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Firmware)> {
     let build = Build {
         package: cross::F405,
         program: "spindle_firmware",
-        // The shipped one is kept beside that of a file.
+        // Another profile makes another build: the shipped one is kept beside it.
         profile: match spindle {
             Some(_) => &["package.spindle_firmware.debug=2"],
             None => &[],
