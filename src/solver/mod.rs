@@ -19,7 +19,7 @@ pub mod warm_start;
 use crate::ball::kinematics::{Motion, RacewayControlFree};
 use crate::bearing::Bearing;
 use crate::real::Real;
-use crate::solver::problem::{Loading, OperatingPoint, Settings};
+use crate::solver::problem::{Loading, OperatingPoint, Problem, Settings};
 use crate::solver::solution::Solution;
 use crate::solver::warm_start::WarmStart;
 use crate::status::Status;
@@ -151,10 +151,9 @@ impl<T: Real, const N: usize, M: Motion, const D: usize> Solver<T, N, M, D> {
     ) -> Result<Solution<'s, T, N, M, D>, Status<T>> {
         let layout = bearing.layout();
         let given = loads.given();
-        let tolerance = settings.tolerance;
-        let problem =
-            self.last
-                .problem::<M, _>(&layout, &given, |_| (), &at.into(), 0, tolerance)?;
+        let mut problem = Problem::given(&layout, &given, settings.tolerance)?;
+        self.last
+            .prepare::<M, _>(&layout, &mut problem, &at.into())?;
         let most = settings.max_iterations;
         let reached = self
             .last

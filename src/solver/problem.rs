@@ -6,9 +6,9 @@ use crate::bearing::Constants;
 use crate::growth::Growth;
 use crate::linalg::{Matrix, matrix, moved, refer, vector};
 use crate::real::Real;
-use crate::rows::Rows;
 use crate::rows::elastic::Piece;
 use crate::rows::row::Sum;
+use crate::rows::{Layout, Rows};
 use crate::status::{Quantity, Status};
 use crate::tuning;
 
@@ -288,6 +288,29 @@ pub fn check_tolerance<T: Real>(tolerance: T) -> Result<(), Status<T>> {
 }
 
 impl<T: Real, const D: usize> Problem<T, D> {
+    /// What is given in the user's units, about the point where it is given.
+    pub fn given<const R: usize, const SET: bool, const E: usize>(
+        layout: &Layout<'_, T, R, SET, E>,
+        given: &[Given<T>; D],
+        tolerance: T,
+    ) -> Result<Self, Status<T>> {
+        check_tolerance(tolerance)?;
+        let mut problem = Self::new(tolerance);
+        let unit = layout.rows[0].bearing.c;
+        for (i, given) in given.iter().enumerate() {
+            match given_in_units(unit, i, layout.ball_count, *given)? {
+                Given::Load(load) => problem.load[i] = load,
+                Given::Displacement(u) => {
+                    (problem.prescribed[i], problem.is_free) = (Some(u), false)
+                }
+            }
+        }
+        if D == 6 && !layout.has_sleeve::<D>() {
+            problem.prescribed[D - 1] = Some(T::ZERO);
+        }
+        Ok(problem)
+    }
+
     /// Without a load yet.
     pub fn new(tolerance: T) -> Self {
         // Rounding ends a solve whose tolerance is below it: no balance is nearer.

@@ -6,9 +6,7 @@ use crate::linalg::{norm, vector};
 use crate::real::Real;
 use crate::rows::row::{Row, UNSEATED};
 use crate::rows::{Layout, Placed, Rows, Time};
-use crate::solver::problem::{
-    Given, OperatingPoint, Problem, check_tolerance, given_in_units, inertia, speed_and_growth,
-};
+use crate::solver::problem::{OperatingPoint, Problem, inertia, speed_and_growth};
 use crate::solver::start::start;
 use crate::solver::state::{State, Termination, are_finite};
 use crate::solver::warm_start::{Reached, RowState, WarmStart};
@@ -17,35 +15,15 @@ use crate::status::{Quantity, Status};
 impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
     WarmStart<T, R, N, D, E>
 {
-    /// Checks the input, turns it into the solver's units, and sets speed, growth and points of the rows.
-    ///
-    /// `to_centre` refers loads and displacements from the point where they are given to the shaft's centre. Refused input changes
-    /// nothing: all checks come before the first write.
-    pub fn problem<M: Motion, const SET: bool>(
+    /// Sets size of the load, speed, growth and points of the rows. Refused input changes nothing: all checks come before the first
+    /// write.
+    pub fn prepare<M: Motion, const SET: bool>(
         &mut self,
         layout: &Layout<'_, T, R, SET, E>,
-        given: &[Given<T>; D],
-        to_centre: impl FnOnce(&mut Problem<T, D>),
+        problem: &mut Problem<T, D>,
         at: &OperatingPoint<T, R>,
-        placed: u32,
-        tolerance: T,
-    ) -> Result<Problem<T, D>, Status<T>> {
+    ) -> Result<(), Status<T>> {
         let unit = layout.rows[0].bearing.c;
-        check_tolerance(tolerance)?;
-        let mut problem = Problem::new(tolerance);
-        problem.placed = placed;
-        for (i, given) in given.iter().enumerate() {
-            match given_in_units(unit, i, layout.ball_count, *given)? {
-                Given::Load(load) => problem.load[i] = load,
-                Given::Displacement(u) => {
-                    (problem.prescribed[i], problem.is_free) = (Some(u), false)
-                }
-            }
-        }
-        if D == 6 && !layout.has_sleeve::<D>() {
-            problem.prescribed[D - 1] = Some(T::ZERO);
-        }
-        to_centre(&mut problem);
         let mut omega = T::ZERO;
         let mut grown = [Growth::NONE; R];
         for ((grown, growth), row) in grown.iter_mut().zip(&at.growth).zip(layout.rows()) {
@@ -72,9 +50,9 @@ impl<T: Real, const R: usize, const N: usize, const D: usize, const E: usize>
                     .set(bearing.c, s, size, growth, axial + mount.closure),
             );
         }
-        self.state.turn_to(&problem, s, most);
+        self.state.turn_to(problem, s, most);
         self.omega = at.speed.as_rad_per_s();
-        Ok(problem)
+        Ok(())
     }
 
     /// Solves, and says where the shaft is, or why there is no answer.

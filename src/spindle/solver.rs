@@ -144,15 +144,12 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let spring = Given::Load(spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
         let unit = layout.rows[0].bearing.c;
+        let mut problem = Problem::given(layout, &all, settings.tolerance)?;
+        problem.placed = fingerprint;
         // From x = 0 to the centre.
-        let to_centre = |problem: &mut Problem<T, D>| {
-            refer(-spindle.centre * unit.tilt / unit.length, &mut problem.load);
-            spindle.add_constant(&mut problem.load, spindle.centre);
-        };
-        let tolerance = settings.tolerance;
-        let problem =
-            self.last
-                .problem::<M, _>(layout, &all, to_centre, &at, fingerprint, tolerance)?;
+        refer(-spindle.centre * unit.tilt / unit.length, &mut problem.load);
+        spindle.add_constant(&mut problem.load, spindle.centre);
+        self.last.prepare::<M, _>(layout, &mut problem, &at)?;
         let most = settings.max_iterations;
         let reached = self.last.run::<M::Rule, _>(layout, &problem, most, more)?;
         let load = given.map(|given| given.load_or(T::ZERO));
@@ -177,20 +174,16 @@ impl<T: Real, const R: usize, const N: usize, M: Motion, const D: usize, const E
         let overhang = spindle.overhang(given);
         let spring = Given::Load(spindle.spring);
         let all = from_fn(|i| given.get(i).copied().unwrap_or(spring));
-        let to_centre = |problem: &mut Problem<T, D>| {
-            if let Some((piece, deflection)) = overhang {
-                refer(-point / radius(layout.rows[0].bearing.c), &mut problem.load);
-                for (held, of_loads) in problem.prescribed.iter_mut().zip(deflection) {
-                    *held = held.map(|u| u - of_loads);
-                }
-                problem.overhang = Some(piece);
+        let mut problem = Problem::given(&layout, &all, settings.tolerance)?;
+        if let Some((piece, deflection)) = overhang {
+            refer(-point / radius(layout.rows[0].bearing.c), &mut problem.load);
+            for (held, of_loads) in problem.prescribed.iter_mut().zip(deflection) {
+                *held = held.map(|u| u - of_loads);
             }
-            spindle.add_constant(&mut problem.load, point);
-        };
-        let tolerance = settings.tolerance;
-        let problem = self
-            .last
-            .problem::<M, _>(&layout, &all, to_centre, at, 0, tolerance)?;
+            problem.overhang = Some(piece);
+        }
+        spindle.add_constant(&mut problem.load, point);
+        self.last.prepare::<M, _>(&layout, &mut problem, at)?;
         let most = settings.max_iterations;
         self.last.refer(shift);
         let solved = self.last.run::<M::Rule, _>(&layout, &problem, most, more);
