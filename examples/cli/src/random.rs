@@ -48,4 +48,27 @@ impl Random {
             self.between(least, most)
         }
     }
+
+    /// Damages a piece of a stream as lines, gateways and strangers do.
+    pub fn damage(&mut self, bytes: &mut Vec<u8>) {
+        for _ in 0..1 + self.below(4) {
+            if bytes.is_empty() {
+                return;
+            }
+            let (a, b) = (self.below(bytes.len()), self.below(bytes.len()));
+            let (from, to) = (a.min(b), a.max(b));
+            match self.below(7) {
+                0 => bytes[from] ^= 1 << self.below(8),
+                1 => bytes[from] = self.bits() as u8,
+                2 => bytes.insert(from, self.bits() as u8),
+                3 => drop(bytes.remove(from)),
+                4 => drop(bytes.drain(from..to)),
+                5 => {
+                    let again = bytes[from..to].to_vec();
+                    bytes.splice(to..to, again);
+                }
+                _ => bytes[from..to].reverse(),
+            }
+        }
+    }
 }

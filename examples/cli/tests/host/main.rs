@@ -2,7 +2,6 @@
 
 mod cycle;
 mod day;
-mod hostile;
 mod nose;
 mod recordings;
 mod response;

@@ -1,28 +1,37 @@
 //! Any bytes at the port of a board, with ticks in between.
 //!
-//! No panic, every figure of the telemetry a number, a mark wherever there is no good record, counters that agree, and no
-//! answer that nobody has asked for.
+//! No panic, every figure of the telemetry a number, a mark wherever there is no good record, counters that agree, no answer that
+//! nobody has asked for, no estimate of a load that nobody has sent, or that was doubted, or without the marks of its tick, no alarm
+//! lost; and what is sound again is solved again.
 
 use crate::laws::common::{Ends, number, run_of, signed};
 use arbitrary::{Arbitrary, Result, Unstructured};
+use cli::random::Random;
+use mock::rig::Dog;
 use spindle_bearing::Status;
 use spindle_firmware::chain::{self, Chain, SpindleMonitor};
-use spindle_firmware::spindle::{ROWS, monitor_settings};
+use spindle_firmware::spindle::{IDLE, ROWS, monitor_settings};
 use spindle_monitor::command::{
     self, Command, MOST_PROBES, ORDER_EVERY, Order, PortReader, Received, Request,
 };
 use spindle_monitor::judgement::AlarmChange;
-use spindle_monitor::record::{self, LoadRecord};
+use spindle_monitor::record::{self, FRAME_LENGTH, LoadRecord};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{EstimateReport, FrameReader, HealthReport, Payload};
-use spindle_monitor::tick::{Core, CycleCounter, NoWatchdog};
-use spindle_monitor::{Alarm, Mark, Outcome, Past};
+use spindle_monitor::tick::{Core, CycleCounter};
+use spindle_monitor::{Alarm, Mark, Marks, Outcome, Past};
 use std::collections::HashSet;
 
 /// Steps of one run.
 const MOST_STEPS: usize = 32;
 /// Ticks of one step, mostly, and now and then: enough for every alarm.
 const TICKS: [u16; 2] = [20, 1000];
+/// Records that are damaged together.
+const TOGETHER: u16 = 6;
+/// Ticks in which a sender that starts is believed.
+const START: u32 = 100;
+/// Age of an estimate of loads that hardly change, at most.
+const OLDEST: u32 = 2;
 
 static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 
@@ -42,12 +51,14 @@ enum Step {
     Record(LoadRecord, Vec<(u8, u8)>),
     /// A command, while the input for service is on or off.
     Command(Command, bool),
-    /// So many ticks, so many us apart, with a link that takes so many bytes in each. With a load, each has a record in order.
+    /// So many ticks, so many us apart, with a link that takes so many bytes in each. With a load, each has a record in order, or
+    /// what damage of that seed leaves of some.
     Ticks {
         count: u16,
         apart: u32,
         room: u16,
         load: Option<[f32; 5]>,
+        damage: Option<u64>,
         speed_rpm: f32,
     },
 }
@@ -122,23 +133,32 @@ fn step(u: &mut Unstructured) -> Result<Step> {
             };
             Step::Command(command, u.arbitrary()?)
         }
-        _ => Step::Ticks {
-            count: match u.arbitrary()? {
+        _ => {
+            let count = match u.arbitrary()? {
                 0..=247_u8 => u.int_in_range(1..=TICKS[0])?,
                 248.. => u.int_in_range(1..=TICKS[1])?,
-            },
-            apart: match u.arbitrary()? {
+            };
+            let apart = match u.arbitrary()? {
                 0..=223_u8 => MONITOR.tick.period_us,
                 224..=239 => u.int_in_range(0..=100_000)?,
                 240.. => u.arbitrary()?,
-            },
-            room: match u.arbitrary()? {
+            };
+            let room = match u.arbitrary()? {
                 0..=127_u8 => 92,
                 128.. => u.arbitrary()?,
-            },
-            load: u.arbitrary::<bool>()?.then(|| load(u)).transpose()?,
-            speed_rpm: signed(u, 1.0, 4e4)? as f32,
-        },
+            };
+            // Bits of one byte: whether records come, and whether they are sound.
+            let how = u.arbitrary::<u8>()?;
+            let damage = (how & 0x41 == 1).then(|| u.arbitrary());
+            Step::Ticks {
+                count,
+                apart,
+                room,
+                damage: damage.transpose()?,
+                load: (how % 2 == 1).then(|| load(u)).transpose()?,
+                speed_rpm: signed(u, 1.0, 4e4)? as f32,
+            }
+        }
     })
 }
 
@@ -152,9 +172,13 @@ pub fn check(run: &Run) -> Ends {
     let mut bench = Bench::new(run.pace);
     for step in &run.steps {
         match step {
-            Step::Bytes(bytes) => bench.push(bytes, false),
+            Step::Bytes(bytes) => {
+                bench.is_raw = true;
+                bench.push(bytes, false);
+                bench.is_raw = false;
+            }
             Step::Record(record, damage) => {
-                let mut frame = record::encode(record);
+                let mut frame = bench.encode(record);
                 for (at, byte) in damage {
                     let at = usize::from(*at) % frame.len();
                     frame[at] = *byte;
@@ -167,13 +191,19 @@ pub fn check(run: &Run) -> Ends {
                 apart,
                 room,
                 load,
+                damage,
                 speed_rpm,
             } => {
-                for _ in 0..*count {
+                let (mut line, mut damage) = (Vec::new(), damage.map(Random::seeded));
+                for i in 0..*count {
                     bench.time_us = bench.time_us.saturating_add((*apart).into());
-                    if let Some(load) = load {
-                        bench.send(load, *speed_rpm);
+                    if let Some(load) = load
+                        && (damage.is_none() || i % TOGETHER == 0)
+                    {
+                        line.extend(bench.records(load, *speed_rpm, damage.as_mut()));
                     }
+                    let piece = line.len().min(FRAME_LENGTH);
+                    bench.push(&line.drain(..piece).collect::<Vec<_>>(), false);
                     bench.tick(*room);
                 }
             }
@@ -215,8 +245,18 @@ struct Bench {
     heard: bool,
     /// There was an estimate.
     estimated: bool,
-    /// Loads of the records that came.
+    /// Loads of the records that were sent, and of those that any bytes have made up.
     loads: HashSet<[u32; 5]>,
+    /// Any bytes come.
+    is_raw: bool,
+    /// Times and marks of all ticks.
+    looks: Vec<(u64, Marks)>,
+    /// Rows passed for the next estimate.
+    rows: u32,
+    /// How often each alarm was raised and cleared, and what the host knows of that.
+    happened: [[u32; 2]; Alarm::COUNT],
+    told: [[u32; 2]; Alarm::COUNT],
+    dog: Dog,
     sequence: u32,
     answered: u64,
     /// Number of the record to be sent.
@@ -247,6 +287,12 @@ impl Bench {
             heard: false,
             estimated: false,
             loads: HashSet::new(),
+            is_raw: false,
+            looks: Vec::new(),
+            rows: 0,
+            happened: [[0; 2]; Alarm::COUNT],
+            told: [[0; 2]; Alarm::COUNT],
+            dog: Dog::default(),
             sequence: 0,
             answered: 0,
             next: 0,
@@ -268,7 +314,9 @@ impl Bench {
                 Some(Ok(Received::Command(Command::Temperatures(_) | Command::Probes(_)))) => {}
                 Some(Ok(Received::Record(record))) => {
                     self.received += 1;
-                    self.loads.insert(record.load().map(f32::to_bits));
+                    let load = record.load().map(f32::to_bits);
+                    let is_known = !self.loads.insert(load);
+                    assert!(is_known || self.is_raw, "damage has made up {record:?}");
                     (self.damaged, self.heard) = (false, true);
                 }
                 Some(Err(_)) => {
@@ -279,34 +327,84 @@ impl Bench {
         }
     }
 
-    /// Sends a record in order.
-    fn send(&mut self, load: &[f32; 5], speed_rpm: f32) {
-        self.next = self.next.wrapping_add(1);
-        let [fx, fy, fz, my, mz] = *load;
-        let record = LoadRecord {
-            sequence: self.next,
-            time_ms: (self.time_us / 1000) as u32,
-            fx,
-            fy,
-            fz,
-            my,
-            mz,
-            speed_rpm,
-        };
-        self.push(&record::encode(&record), false);
+    fn encode(&mut self, record: &LoadRecord) -> Vec<u8> {
+        self.loads.insert(record.load().map(f32::to_bits));
+        record::encode(record).to_vec()
     }
 
-    fn tick(&mut self, room: u16) {
+    /// The next record in order, or what damage leaves of some, sent a ms after the other, and of orders in between.
+    fn records(&mut self, load: &[f32; 5], speed_rpm: f32, damage: Option<&mut Random>) -> Vec<u8> {
+        let [fx, fy, fz, my, mz] = *load;
+        let mut next = |ahead_ms: u16| {
+            self.next = self.next.wrapping_add(1);
+            self.encode(&LoadRecord {
+                sequence: self.next,
+                time_ms: (self.time_us / 1000 + u64::from(ahead_ms)) as u32,
+                fx,
+                fy,
+                fz,
+                my,
+                mz,
+                speed_rpm,
+            })
+        };
+        let Some(random) = damage else {
+            return next(0);
+        };
+        let mut bytes = Vec::new();
+        for ahead_ms in 0..TOGETHER {
+            bytes.extend(next(ahead_ms));
+            if random.chance(0.1) {
+                let order = Order::ReplaceBearing;
+                let request = Request { number: 1, order };
+                bytes.extend(command::encode(Command::Ask(request)));
+            }
+        }
+        random.damage(&mut bytes);
+        bytes
+    }
+
+    /// A sender that starts twice, of the idling spindle: one of the last records is solved. Numbers of the first start may
+    /// be in order by chance, and then its clock is not.
+    fn recover(&mut self) {
+        self.counter.pace = 0;
+        // Time for a shaft to reach any speed.
+        self.time_us += 60_000_000;
+        for ms in [1..=20, 1..=START].into_iter().flatten() {
+            let [fx, fy, fz, my, mz] = IDLE.map(|load| load + 1e-3 * ms as f32);
+            self.time_us += u64::from(MONITOR.tick.period_us);
+            let frame = self.encode(&LoadRecord {
+                sequence: ms,
+                time_ms: ms,
+                fx,
+                fy,
+                fz,
+                my,
+                mz,
+                speed_rpm: 3000.0 + 1e-2 * ms as f32,
+            });
+            self.push(&frame, false);
+            let outcome = self.tick(u16::MAX);
+            if ms == START {
+                let is_new = outcome.age.is_some_and(|age| age <= OLDEST);
+                assert!(is_new && outcome.marks.is_empty(), "{outcome:?}");
+            }
+        }
+    }
+
+    fn tick(&mut self, room: u16) -> Outcome {
         let outcome = self
             .chain
-            .tick(self.time_us, &mut self.counter, &mut NoWatchdog);
+            .tick(self.time_us, &mut self.counter, &mut self.dog);
         self.ticks += 1;
+        assert_eq!(self.dog.fed, self.ticks);
         self.look(&outcome);
         for _ in 0..room {
             if !self.hear() {
                 break;
             }
         }
+        outcome
     }
 
     /// Laws of a tick.
@@ -323,9 +421,25 @@ impl Bench {
         if std::mem::take(&mut self.damaged) {
             assert!(marks.contains(Mark::Corrupt), "{marks}");
         }
+        self.looks.push((self.time_us, marks));
+        self.rows += u32::from(outcome.rows);
         if outcome.solved {
             self.estimated = true;
             self.ends.insert("estimate");
+            assert!(std::mem::replace(&mut self.rows, outcome.rows.into()) > 0);
+            // It is of a sample that was good when it came, in that many ticks before.
+            let age = outcome.age.expect("an estimate has an age");
+            let (_, of_sample) = self.looks[self.looks.len() - 1 - age as usize];
+            let of_solve = Mark::Unsolved | Mark::NoEstimate;
+            assert!(of_sample.is_subset(of_solve), "{age}: {of_sample}");
+        }
+        for change in &outcome.changes {
+            let [raised, cleared] = &mut self.happened[change.alarm as usize];
+            match change.change {
+                AlarmChange::Raised => *raised += 1,
+                AlarmChange::Cleared => *cleared += 1,
+                AlarmChange::Acknowledged | AlarmChange::Standing => {}
+            }
         }
         assert_eq!(outcome.age.is_some(), self.estimated);
         assert_eq!(marks.contains(Mark::NoEstimate), !self.estimated);
@@ -358,6 +472,8 @@ impl Bench {
                 assert!(self.estimated);
                 let load = report.load.map(f32::to_bits);
                 assert!(self.loads.contains(&load), "no record had {report:?}");
+                let of_tick = (frame.time_us, report.marks);
+                assert!(self.looks.iter().rev().any(|look| *look == of_tick));
                 assert_numbers(&report);
             }
             Payload::Rows(report) => {
@@ -381,6 +497,7 @@ impl Bench {
                     "{report:?}"
                 );
                 assert!(report.cleared <= report.raised, "{report:?}");
+                self.told[report.alarm as usize] = [report.raised, report.cleared];
             }
             Payload::Health(report) => self.count(&report),
             Payload::Answer(answer) => {
@@ -437,7 +554,9 @@ impl Bench {
         for _ in 0..ORDER_EVERY * (Alarm::COUNT as u64 + 1) {
             self.tick(u16::MAX);
         }
+        self.recover();
         assert!(!self.hear(), "the link has never an end");
+        assert_eq!(self.told, self.happened, "an alarm is lost");
         let health = self.chain.health();
         self.count(&health);
         assert_eq!(health.ticks, self.ticks);

@@ -32,7 +32,7 @@ fn random_spindles_break_no_law() {
 
 #[test]
 fn random_bytes_at_the_port_break_no_law() {
-    draw("port", 6000, port::replay);
+    draw("port", 10_000, port::replay);
 }
 
 #[test]
