@@ -350,9 +350,10 @@ fn a_row_that_cannot_be_read_keeps_its_place_and_is_counted() {
         assert!(err.contains("1 refused-input"), "{err}");
         assert!(err.contains(&format!("standard input: {start}")), "{err}");
     }
-    let rows =
-        "0,400,0,0,0,0,0\n1,,0,0,0,0,0\n2,nan,0,0,0,0,0\nthree,,0,0,0,0,0\n4,400,0,0,0,0,0\n";
-    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &format!("{HEADER}{rows}"));
+    // A column that is not read is named once.
+    let rows = "0,400,0,0,0,0,0,T1\n1,,0,0,0,0,0,\n2,nan,0,0,0,0,0,\nthree,,0,0,0,0,0,\n4,400,0,0,0,0,0,\n";
+    let text = HEADER.replace('\n', ",tool\n") + rows;
+    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &text);
     assert_eq!(status, 0);
     let starts = table(&out, RESULT_HEADER).into_iter();
     let starts: Vec<_> = starts.map(|line| line[..2].join(",")).collect();
@@ -361,32 +362,11 @@ fn a_row_that_cannot_be_read_keeps_its_place_and_is_counted() {
     assert_eq!(starts.join(" "), expected);
     assert_eq!(
         err,
-        "replay: standard input: rows read 3, refused 2; lines skipped 0; time 0 to 4 s, fx 400 N, fy 0 N, fz 0 N, my 0 Nm, \
+        "replay: standard input: columns ignored: \"tool\"\n\
+         replay: standard input: rows read 3, refused 2; lines skipped 0; time 0 to 4 s, fx 400 N, fy 0 N, fz 0 N, my 0 Nm, \
          mz 0 Nm, speed 0 rpm\nreplay: 3 of 5 rows have no answer: 1 not-finite, 2 refused-input (the first at 2 s: axial load \
          Fx (N) is NaN; the first that cannot be read: standard input: line 3, column 2 (fx_n): the field \
          is empty; a number is needed)\n"
-    );
-}
-
-/// A file of which no row can be read is at fault itself.
-#[test]
-fn decimal_commas_between_commas_are_not_guessed_at() {
-    let rows = "0,0,400,5,0,0,0,0,0,0,0,0,0,0\n";
-    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], &format!("{HEADER}{rows}{rows}"));
-    assert_eq!((status, out.lines().count()), (2, 3));
-    let fault = "line 2, column 8: the line has 14 fields where the header has 7";
-    assert!(err.contains(fault), "{err}");
-}
-
-#[test]
-fn columns_that_are_not_read_are_named_once() {
-    let text = "time_s,fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,tool,t_oil_c\n0,400,0,0,0,0,0,T1,\n1,400,0,0,0,0,0,,\n";
-    let (status, out, err) = replayed(&[&shipped("b7005c"), "-"], text);
-    assert_eq!((status, out.lines().count()), (0, 3));
-    assert_eq!(
-        err,
-        "replay: standard input: columns ignored: \"tool\", \"t_oil_c\"\nreplay: standard input: rows read 2, refused 0; \
-         lines skipped 0; time 0 to 1 s, fx 400 N, fy 0 N, fz 0 N, my 0 Nm, mz 0 Nm, speed 0 rpm\n"
     );
 }
 
@@ -576,19 +556,6 @@ fn help_goes_to_standard_output_and_complaints_about_arguments_do_not() {
         let (status, out, err) = replayed(args, "");
         assert_eq!((status, out.as_str()), (2, ""));
         assert!(err.starts_with("error: "), "{err}");
-    }
-}
-
-#[test]
-fn files_that_are_not_there_are_named() {
-    for (args, name) in [
-        ([&*shipped("b218"), "nowhere.csv"], "nowhere.csv"),
-        (["nowhere.toml", "-"], "nowhere.toml"),
-    ] {
-        let (status, _, err) = replayed(&args, "");
-        assert_eq!(status, 2);
-        let start = format!("replay: {name}: cannot be read: ");
-        assert!(err.starts_with(&start), "{err}");
     }
 }
 
@@ -847,14 +814,33 @@ fn an_old_file_stays_until_the_new_one_is_complete() {
     let path = scratch("kept.csv");
     std::fs::write(&path, "of yesterday").unwrap();
     let name = path.to_str().unwrap();
-    let (status, _, _) = replayed(&[&shipped("b7005c"), "nowhere.csv", "--balls", name], "");
-    assert_eq!(status, 2);
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    for (design, loads, missing) in [
+        (&*shipped("b7005c"), "nowhere.csv", "nowhere.csv"),
+        ("nowhere.toml", "-", "nowhere.toml"),
+    ] {
+        let (status, _, err) = replayed(&[design, loads, "--balls", name], "");
+        assert_eq!(status, 2);
+        let start = format!("replay: {missing}: cannot be read: ");
+        assert!(err.starts_with(&start), "{err}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
+    }
     // A line without end; no row that can be read.
-    for rows in [format!("{ROWS}{}", "1".repeat(100_000)), "1,2\n".to_owned()] {
+    for (rows, lines, fault) in [
+        (
+            format!("{ROWS}{}", "1".repeat(100_000)),
+            5,
+            "line 6, column 1: the line is longer",
+        ),
+        (
+            "0,0,400,5,0,0,0,0\n1,2\n".to_owned(),
+            3,
+            "line 2, column 8: the line has 8 fields",
+        ),
+    ] {
         let recording = format!("{HEADER}{rows}");
-        let (status, _, err) = replayed(&[&shipped("b7005c"), "-", "--balls", name], &recording);
-        assert_eq!(status, 2, "{err}");
+        let (status, out, err) = replayed(&[&shipped("b7005c"), "-", "--balls", name], &recording);
+        assert_eq!((status, out.lines().count()), (2, lines), "{err}");
+        assert!(err.contains(fault), "{err}");
         assert_eq!(std::fs::read_to_string(&path).unwrap(), "of yesterday");
     }
     // One that nobody may write.

@@ -7,11 +7,8 @@ use cli::recordings::{Loads, Wanted};
 use cli::replay::{Job, Output, Summary, Table, replay};
 use solvers::dispatch::Precision;
 use solvers::{AnySolver, Balls, Choices, with_solver};
-use spindle_bearing::{Design, FreeContact, Material};
 use spindle_file::designs::{DesignFile, SHIPPED};
 use spindle_file::loads::LoadRow;
-use spindle_file::plan::BALL_COUNTS;
-use spindle_file::plan::{Plan, Question};
 use spindle_file::spindles::SpindleFile;
 use std::io::Cursor;
 
@@ -31,36 +28,6 @@ fn parsed_bytes(csv: &[u8]) -> Result<Vec<LoadRow>, LoadsError> {
 
 fn parsed(csv: &str) -> Result<Vec<LoadRow>, LoadsError> {
     parsed_bytes(csv.as_bytes())
-}
-
-fn shown(precision: Precision, x: f64) -> String {
-    let mut text = String::new();
-    precision.write(&mut text, x).unwrap();
-    text
-}
-
-#[test]
-fn a_printed_number_reads_back_exactly_in_its_precision() {
-    let edges = [0.0, -0.0, 5e-324, 2.2250738585072014e-308, 1e-4, 1e16];
-    let mut random = Random::seeded(1);
-    let patterns: Vec<u64> = (0..20_000).map(|_| random.bits()).collect();
-    let wide = patterns.iter().map(|bits| f64::from_bits(*bits));
-    for x in wide.chain(edges).filter(|x| x.is_finite()) {
-        let text = shown(Precision::F64, x);
-        let read = text.parse::<f64>().unwrap();
-        assert!(read.to_bits() == x.to_bits() && text.len() <= 24, "{text}");
-    }
-    let narrow = patterns.iter().map(|bits| f32::from_bits(*bits as u32));
-    for x in narrow.filter(|x| x.is_finite()) {
-        let text = shown(Precision::F32, f64::from(x));
-        let read = text.parse::<f32>().unwrap();
-        assert_eq!(read.to_bits(), x.to_bits(), "{text}");
-        let digits = text.split('e').next().unwrap();
-        let digits = digits.trim_start_matches(['-', '0', '.']);
-        let digits = digits.trim_end_matches('0');
-        assert!(digits.len() <= 10, "more digits than f32 has: {text}");
-    }
-    assert_eq!(shown(Precision::F32, f64::from(0.1_f32)), "0.1");
 }
 
 #[test]
@@ -122,35 +89,21 @@ fn recordings_are_read() {
         assert_eq!(parsed(&text).unwrap(), plain, "{text:?}");
     }
     // Temperatures are read where they are, asked for or not.
-    let warm = format!("{header},t_inner_c,t_outer_c\n0.5,-2,3e3,4,5,6,7.25,40,35\n");
-    assert_eq!(parsed(&warm).unwrap()[0].temperatures, Some([40.0, 35.0]));
-    // Without times, rows are counted.
-    let states = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2,3,4,5,6,7\n";
-    assert_eq!(parsed(states).unwrap(), [row(0.0, plain[1].load, 7.0)]);
-}
-
-/// Each column, from text to number: no other one has any.
-#[test]
-fn each_column_has_its_number() {
-    let names = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm,time_s,t_inner_c,t_outer_c";
+    let warm = format!("{header},t_inner_c,probe_a_um,t_outer_c\n0.5,-2,3e3,4,5,6,7.25,40,8,35\n");
     let wanted = Wanted {
         probes: vec!["a".to_owned()],
         ..Wanted::default()
     };
-    for (i, name) in names.split(',').chain(["probe_a_um"]).enumerate() {
-        let number = |column: &str| if column == name { "12.5" } else { "0" };
-        let fields: Vec<&str> = names.split(',').chain(["probe_a_um"]).map(number).collect();
-        let text = format!("{names},probe_a_um\n{}\n", fields.join(","));
-        let row = opened(text.as_bytes(), &wanted).unwrap().next().unwrap();
-        let row = row.unwrap();
-        let [inner, outer] = row.temperatures.unwrap();
-        let mut found = row.load.to_vec();
-        found.extend([row.speed_rpm, row.time_s, inner, outer]);
-        found.extend(row.probes[0]);
-        let mut expected = [0.0; 10];
-        expected[i] = 12.5;
-        assert_eq!(found, expected, "{name}");
-    }
+    let warm = opened(warm.as_bytes(), &wanted).unwrap().next().unwrap();
+    let expected = LoadRow {
+        temperatures: Some([40.0, 35.0]),
+        probes: [Some(8.0), None, None, None],
+        ..plain[0]
+    };
+    assert_eq!(warm.unwrap(), expected);
+    // Without times, rows are counted.
+    let states = "fx_n,fy_n,fz_n,my_nm,mz_nm,speed_rpm\n2,3,4,5,6,7\n";
+    assert_eq!(parsed(states).unwrap(), [row(0.0, plain[1].load, 7.0)]);
 }
 
 #[test]
@@ -324,25 +277,6 @@ fn a_solve_that_ran_out_of_iterations_has_no_figures() {
     }
 }
 
-#[test]
-fn every_ball_count_has_a_solver() {
-    let mut design = DesignFile::read(shipped("b7005c")).unwrap().design;
-    design.ball_diameter = 1.5e-3;
-    for balls in BALL_COUNTS {
-        for precision in [Precision::F32, Precision::F64] {
-            let plan = Plan::alone(&design, balls);
-            let question = Question::load([50.0, 10.0, 0.0, 0.0, 0.0], 0.0);
-            let answer = |solver: &mut dyn AnySolver| solver.answer(&question);
-            let found = with_solver(&plan, Balls::Free, precision, answer).unwrap();
-            assert_eq!(found.rows[0].balls.len(), balls);
-        }
-    }
-    for balls in [0, 2, 65, usize::MAX] {
-        let plan = Plan::alone(&design, balls);
-        assert!(with_solver(&plan, Balls::Static, Precision::F64, |_| ()).is_err());
-    }
-}
-
 /// A design file without the materials.
 const DESIGN: &str = "\
     name = \"test\"\n\
@@ -353,50 +287,10 @@ const DESIGN: &str = "\
     outer_groove_factor = 0.525\n\
     contact_angle_deg = 15\n";
 
-#[test]
-fn a_design_file_means_si_units_and_steel_unless_it_says_otherwise() {
-    let file = DesignFile::parse("x", DESIGN).unwrap();
-    assert_eq!((&*file.name, file.balls), ("test", 16));
-    let design = Design {
-        ball_diameter: 0.00635,
-        pitch_diameter: 0.036,
-        inner_groove_factor: 0.515,
-        outer_groove_factor: 0.525,
-        free_contact: FreeContact::Angle(15_f64.to_radians()),
-        inner_shoulder_angle: Design::HIGHEST_SHOULDER,
-        outer_shoulder_angle: Design::HIGHEST_SHOULDER,
-        first_ball: 0.0,
-        ring: Material::STEEL,
-        ball: Material::STEEL,
-    };
-    assert_eq!(file.design, design);
-}
-
-/// Of a bearing by itself; `wrong_files` has those of spindles.
+/// Of a bearing by itself; `wrong_files` has more, of spindles.
 #[test]
 fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
     for (from, to, told) in [
-        (
-            "6.35",
-            "60",
-            "4, column 21: `pitch_diameter_mm` is 36, but must lie between 60.6 and 600000",
-        ),
-        (
-            "6.35",
-            "8",
-            "3, column 20: `ball_diameter_mm` is 8, but must lie between 0.1 and 7.02325",
-        ),
-        (
-            "= 15\n",
-            "= 15\n[ball]\npoissons_ratio = 0.7\n",
-            "9, column 18: `ball.poissons_ratio` is 0.7, but must lie between",
-        ),
-        // Load ratings of these have no figure.
-        (
-            "= 0.515",
-            "= 0.5",
-            "5, column 23: `inner_groove_factor` is 0.5, but must lie between 0.501 and 0.7",
-        ),
         (
             "= 0.525",
             "= -0.0",
@@ -408,9 +302,9 @@ fn a_bearing_that_cannot_be_built_is_refused_with_the_key_at_fault() {
             "4, column 21: `pitch_diameter_mm`: in SI units, pitch diameter dm",
         ),
         (
-            "= 15\n",
-            "= 1e300\n",
-            "7, column 21: `contact_angle_deg` is 1",
+            "= 15",
+            "= -inf",
+            "7, column 21: `contact_angle_deg` is -inf, and no number",
         ),
     ] {
         let refused = DesignFile::parse("b.toml", &DESIGN.replace(from, to));

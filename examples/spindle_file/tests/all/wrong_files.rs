@@ -73,11 +73,11 @@ fx_n = [-1700, 1700]
 limit = 90
 "#;
 
-/// Text, the text in its place, line and column of the refusal, and how its message begins.
+/// Text, the text in its place, line and column of the refusal, and how its message begins. `monitor_keys` has those of `[monitor]`.
 type Mutation = (&'static str, &'static str, usize, usize, &'static str);
 
 #[rustfmt::skip]
-const MUTATIONS: [Mutation; 126] = [
+const MUTATIONS: [Mutation; 117] = [
     ("name = \"all sections\"", "", 1, 1, "the key `name` is missing; add a line such as `name ="),
     ("arrangement = \"back-to-back\"", "arrangement = \"DB\"", 2, 15, "\"DB\" is none of \"back-to-back\", \"face-to-face\", \"tandem\","),
     ("arrangement = \"back-to-back\"", "arrangement = \"face-to-face\"", 25, 10, "row 1 faces -x, which is not face-to-face: face to face,"),
@@ -107,7 +107,7 @@ const MUTATIONS: [Mutation; 126] = [
     ("axial_n_per_um = 400, radial", "axial_n_per_um = 0.01, radial", 9, 30, "row 0: `axial_n_per_um` is 0.01, but must be 0.1 at"),
     ("axial_n_per_um = 400, radial", "axial_n_per_mm = 400, radial", 9, 13, "unknown field `axial_n_per_mm`"),
     ("balls = 16", "balls = 16.5", 13, 9, "`balls` is 16.5, but must be a whole number from 3 to 64"),
-    ("balls = 16", "balls = 80", 13, 9, "`balls` is 80, but must be a whole number from 3 to 64"),
+    ("balls = 16", "balls = 65", 13, 9, "`balls` is 65, but must be a whole number from 3 to 64"),
     ("balls = 16", "balls = 40", 14, 20, "`ball_diameter_mm` is 6.35, but must lie between 0.1 and"),
     ("ball_diameter_mm = 6.35", "ball_diameter_mm = 0.00635", 14, 20, "`ball_diameter_mm` is 0.00635, but must lie between 0.1"),
     ("ball_diameter_mm = 6.35", "ball_diameter_mm = -6.35", 14, 20, "`ball_diameter_mm` is -6.35, but must lie between 0.1 and"),
@@ -159,17 +159,8 @@ const MUTATIONS: [Mutation; 126] = [
     ("[nose]\nposition_mm = 0", "[nose]\nposition_mm = 0\nradial_um_per_kn = 2", 47, 20, "`radial_um_per_kn` is for a rigid shaft, and the"),
     ("position_mm = -40", "position_mm = 1e9", 49, 15, "`position_mm` is 1000000000, but must lie between -100000"),
     ("position_mm = -40", "position = 4", 49, 1, "unknown field `position`"),
-    ("loads = \"bridges\"", "loads = \"records\"", 55, 10, "[monitor.bridges] is for `loads = \"bridges\"`; add that to"),
-    ("loads = \"bridges\"", "loads = \"bridge\"", 52, 9, "\"bridge\" is none of \"records\", \"bridges\""),
-    ("loads = \"bridges\"", "loads = \"bridges\"\nperiod_ms = 0.2", 53, 13, "`period_ms` is 0.2, but must lie between 1 and 10"),
-    ("loads = \"bridges\"", "loads = \"bridges\"\nperiod_s = 0.001", 53, 1, "unknown field `period_s`"),
-    ("[[500, 0, 0, 0, 0], [0, 500", "[[500, 0, 0, 0, 0], [1000, 0", 55, 10, "these bridges do not tell five loads apart"),
     ("[[500, 0, 0, 0, 0], [0, 500", "[[1e308, 0, 0, 0, 0], [0, 500", 55, 10, "these bridges do not tell five loads apart"),
-    ("fx_n = [-1700, 1700]", "fx_n = [1700, -1700]", 58, 8, "the range is from 1700 to -1700; give the lowest value"),
     ("fx_n = [-1700, 1700]", "fx_n = [-1e300, 1e300]", 58, 8, "the range"),
-    ("limit = 90", "limit = -90", 61, 9, "`alarm.overload.limit` is -90, but must lie between"),
-    ("limit = 90", "limits = 90", 61, 1, "unknown field `limits`"),
-    ("limit = 90", "limit = 90\nclear = 95", 62, 9, "the alarm overload: `clear` must be below `limit`"),
     ("limit = 90", "limit = 1e-300", 61, 9, "`alarm.overload.limit`"),
     ("limit = 90", "limit = 1e300", 61, 9, "`alarm.overload.limit`"),
     ("bore_mm = 25", "bore_mm = 25\nmonitor.period_ms = 2", 21, 1, "[monitor] is a spindle's: move it to a file with a"),

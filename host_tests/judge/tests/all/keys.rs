@@ -984,39 +984,3 @@ fn every_key_has_its_test() {
         }
     }
 }
-
-/// No number is none, or infinite; each is refused where it stands.
-#[test]
-fn numbers_that_are_none_are_refused_by_their_key() {
-    for text in [bearing(), spindle()] {
-        for (i, line) in text.lines().enumerate() {
-            let Some((key, value)) = line.split_once(" = ") else {
-                continue;
-            };
-            if value.parse::<f64>().is_err() {
-                continue;
-            }
-            for wild in ["nan", "inf", "-inf"] {
-                let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-                lines[i] = format!("{key} = {wild}");
-                let text = lines.join("\n");
-                let refused = match text.contains("[[row]]") {
-                    true => SpindleFile::parse("x", &text, Path::new(SHIPPED)).map(|_| ()),
-                    false => DesignFile::parse("x", &text).map(|_| ()),
-                };
-                let told = refused.unwrap_err().to_string();
-                let wanted = format!(
-                    "x: line {}, column {}: `{key}` is {wild}, and no number",
-                    i + 1,
-                    key.len() + 4
-                );
-                assert!(told.contains(&wanted), "{told}\nwithout: {wanted}");
-            }
-        }
-    }
-    let below = spindle().replace("radial_um_per_kn = 2", "radial_um_per_kn = -2");
-    let told = SpindleFile::parse("s.toml", &below, Path::new(SHIPPED))
-        .unwrap_err()
-        .message;
-    assert_eq!(told, "`radial_um_per_kn` is -2, but must be 0 at least");
-}
