@@ -97,22 +97,6 @@ fn balls_do_not_overlap() {
 }
 
 #[test]
-fn a_groove_no_wider_than_the_ball_is_refused() {
-    for factor in [0.5, 0.49, 0.0, -0.52] {
-        let error = refusal(|d| d.inner_groove_factor = factor);
-        assert_eq!(
-            (error.quantity, error.value),
-            (Quantity::InnerGrooveFactor, factor)
-        );
-        let error = refusal(|d| d.outer_groove_factor = factor);
-        assert_eq!(
-            (error.quantity, error.value),
-            (Quantity::OuterGrooveFactor, factor)
-        );
-    }
-}
-
-#[test]
 fn a_shoulder_below_the_unloaded_balls_or_in_degrees_is_refused() {
     let FreeContact::Angle(free) = B7005C.free_contact else {
         unreachable!()

@@ -12,31 +12,6 @@ use solvers::dispatch::Precision;
 use spindle_bearing::{Bearing, Design, Growth, Settings, Solver, Speed, Status};
 
 #[test]
-fn solutions_do_not_depend_on_history() {
-    let omega = rad_per_s(20_000.0);
-    let mut solver = solver(&B7005C, 16, Precision::F64, Balls::Free);
-    let first = solver.load(SKEW, omega).unwrap();
-    let detours: [([f64; 5], f64); 6] = [
-        (SKEW, omega),
-        (SKEW.map(|x| -x), omega),
-        (SKEW.map(|x| 1e-3 * x), 2.0 * omega),
-        ([1.0, -2000.0, 0.0, 0.0, 0.0], 0.0),
-        ([5000.0, 0.0, 0.0, 0.0, 30.0], omega),
-        ([0.0; 5], 0.0),
-    ];
-    for (load, speed) in detours {
-        // Whether there is an answer to the detour is of no interest here.
-        let _ = solver.solve(&Question::load(load, speed));
-        let again = solver.load(SKEW, omega).unwrap();
-        assert_eq!(again.status, Status::Converged);
-        let e = apart(&B7005C, &again, &first);
-        assert!(e < 1e-11, "after {load:?}: {e:.1e}");
-    }
-    solver.reset();
-    assert_eq!(solver.load(SKEW, omega).unwrap(), first);
-}
-
-#[test]
 fn a_warm_solve_is_the_cold_one_to_the_errors_that_both_state() {
     for (freedoms, balls, growth) in [
         (5, Balls::Free, Growth::NONE),
