@@ -8,36 +8,50 @@
 use super::solves::{Question, ask};
 use judge::cases::{B218, rad_per_s};
 use judge::compare::worse;
-use nalgebra::Vector3;
 use solvers::dispatch::{Attitude, Precision};
 use spindle_file::plan::Plan;
+use std::array::from_fn;
 use std::f64::consts::{PI, TAU};
 
-type V3 = Vector3<f64>;
+type V3 = [f64; 3];
 
 const LOAD: [f64; 5] = [17_800.0, 0.0, 0.0, 0.0, 0.0];
 const SPEEDS: [f64; 3] = [6_000.0, 10_000.0, 15_000.0];
 const RADIUS: f64 = 0.5 * B218.ball_diameter;
-const ORBIT: V3 = V3::new(0.0, 0.5 * B218.pitch_diameter, 0.0);
-const AXIS: V3 = V3::new(1.0, 0.0, 0.0);
+const ORBIT: V3 = [0.0, 0.5 * B218.pitch_diameter, 0.0];
+const AXIS: V3 = [1.0, 0.0, 0.0];
 /// Steps per revolution of the cage between places, and steps between two values of the angular momentum.
 const STEPS: f64 = 8_000.0;
 const STRIDE: f64 = 20.0;
 
+fn dot(a: V3, b: V3) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+fn cross([a, b, c]: V3, [x, y, z]: V3) -> V3 {
+    [b * z - c * y, c * x - a * z, a * y - b * x]
+}
+
+/// A sum of vectors, each with its factor.
+fn sum(terms: &[(f64, V3)]) -> V3 {
+    from_fn(|i| terms.iter().map(|(factor, a)| factor * a[i]).sum())
+}
+
 fn length(a: V3) -> f64 {
-    a.dot(&a).sqrt()
+    dot(a, a).sqrt()
 }
 
 /// `a` turned about the unit vector `axis` (Rodrigues).
 fn turned(a: V3, axis: V3, angle: f64) -> V3 {
     let (sin, cos) = angle.sin_cos();
-    a * cos + axis.cross(&a) * sin + axis * ((1.0 - cos) * axis.dot(&a))
+    let along = (1.0 - cos) * dot(axis, a);
+    sum(&[(cos, a), (sin, cross(axis, a)), (along, axis)])
 }
 
 /// First derivative from values at -2, -1, 1, 2 steps of `h`; exact to `h^4`.
 fn slope(h: f64, value: impl Fn(f64) -> V3) -> V3 {
-    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|i| value(i * h));
-    (a - b * 8.0 + c * 8.0 - d) / (12.0 * h)
+    let terms = [(-2.0, 1.0), (-1.0, -8.0), (1.0, 8.0), (2.0, -1.0)];
+    sum(&terms.map(|(i, factor)| (factor / (12.0 * h), value(i * h))))
 }
 
 fn mass() -> f64 {
@@ -58,7 +72,7 @@ fn points() -> Vec<(V3, f64)> {
             let across = (1.0 - height * height).sqrt();
             for quarter in 0..4 {
                 let (sin, cos) = (0.3 + TAU * f64::from(quarter) / 4.0).sin_cos();
-                let place = V3::new(height, across * cos, across * sin) * (part * RADIUS);
+                let place = [height, across * cos, across * sin].map(|x| x * part * RADIUS);
                 // A shell's part of the volume: 3 r^2 dr of a ball of radius 1.
                 points.push((place, mass() * 3.0 * part * part * radial * axial * 0.25));
             }
@@ -102,7 +116,7 @@ impl Ball {
 
     /// Contact points from the ball's centre, inner and outer.
     fn contacts(&self) -> [V3; 2] {
-        let normal = |angle: f64, r: f64| V3::new(r * angle.sin(), r * angle.cos(), 0.0);
+        let normal = |angle: f64, r: f64| [r * angle.sin(), r * angle.cos(), 0.0];
         [
             normal(self.angles[0], -RADIUS),
             normal(self.angles[1], RADIUS),
@@ -122,39 +136,39 @@ impl Ball {
         // Speed along z at a contact p: travel + x p_y - y p_x; the outer race rests.
         let det = inner[1] * outer[0] - outer[1] * inner[0];
         let (a, b) = (race - travel, -travel);
-        (outer * a - inner * b) / det
+        sum(&[(a / det, outer), (-b / det, inner)])
     }
 
     /// Spin of the ball against inner and outer race, over the shaft speed.
     fn spin(&self) -> [f64; 2] {
         let [inner, outer] = self.contacts();
         let rotation = self.rotation();
-        let against_shaft = rotation - AXIS * self.shaft;
-        [against_shaft.dot(&inner), rotation.dot(&outer)].map(|w| w / (RADIUS * self.shaft))
+        let against_shaft = sum(&[(1.0, rotation), (-self.shaft, AXIS)]);
+        [dot(against_shaft, inner), dot(rotation, outer)].map(|w| w / (RADIUS * self.shaft))
     }
 
     /// Couple about the ball's centre and force on it at a time after it was at +y.
     fn supplied(&self, time: f64) -> [V3; 2] {
         let cage = self.cage();
         // Seen from the cage, the ball turns about an axis at rest.
-        let seen = self.rotation() - AXIS * cage;
+        let seen = sum(&[(1.0, self.rotation()), (-cage, AXIS)]);
         let rate = length(seen);
-        let seen = seen / rate;
+        let seen = seen.map(|x| x / rate);
         let place = |p: V3, t: f64| turned(turned(p, seen, rate * t), AXIS, cage * t);
         let h = TAU / cage / STEPS;
         let body = points();
         let momentum = |t: f64| {
             let of_point = |(p, mass): &(V3, f64)| {
                 let velocity = slope(h, |step| place(*p, t + step));
-                place(*p, t).cross(&velocity) * *mass
+                (*mass, cross(place(*p, t), velocity))
             };
-            body.iter().map(of_point).sum()
+            sum(&body.iter().map(of_point).collect::<Vec<_>>())
         };
         let couple = slope(STRIDE * h, |step| momentum(time + step));
         let centre = |t: f64| turned(ORBIT, AXIS, cage * t);
         let velocity = |t: f64| slope(h, |step| centre(t + step));
-        let force = slope(STRIDE * h, |step| velocity(time + step)) * mass();
-        [couple, force]
+        let force = slope(STRIDE * h, |step| velocity(time + step));
+        [couple, force.map(|x| x * mass())]
     }
 
     /// Largest difference of the couple from `Mg e_t` with `e_t = e_x x e_r`, over `Mg`, along the orbit.
@@ -163,8 +177,8 @@ impl Ball {
         (0..16).fold(0.0, |most, k| {
             let azimuth = TAU * f64::from(k) / 16.0;
             let [couple, _] = self.supplied(azimuth / self.cage());
-            let along = AXIS.cross(&V3::new(0.0, azimuth.cos(), azimuth.sin()));
-            worse(most, length(couple - along * mg) / mg.abs())
+            let along = cross(AXIS, [0.0, azimuth.cos(), azimuth.sin()]);
+            worse(most, length(sum(&[(1.0, couple), (-mg, along)])) / mg.abs())
         })
     }
 
@@ -175,11 +189,11 @@ impl Ball {
         let (mut left, mut couple_left) = (force, couple);
         for (i, arm) in self.contacts().into_iter().enumerate() {
             // `cross(arm, across)` is `e_z`, the direction of the couple.
-            let across = V3::new(0.0, 0.0, 1.0).cross(&arm) / arm.dot(&arm);
-            let push = arm * (-self.forces[i] / RADIUS);
-            let both = push + across * (0.5 * sense * self.friction[i] * couple[2]);
-            left -= both;
-            couple_left -= arm.cross(&both);
+            let across = cross([0.0, 0.0, 1.0], arm);
+            let friction = 0.5 * sense * self.friction[i] * couple[2] / dot(arm, arm);
+            let both = sum(&[(-self.forces[i] / RADIUS, arm), (friction, across)]);
+            left = sum(&[(1.0, left), (-1.0, both)]);
+            couple_left = sum(&[(1.0, couple_left), (-1.0, cross(arm, both))]);
         }
         let largest = self.forces[0].max(self.forces[1]);
         [length(left) / largest, length(couple_left) / length(couple)]
