@@ -25,9 +25,8 @@ pub struct Plan {
     pub of_sets: bool,
     /// Families to take; the solves of the other families are left out.
     pub families: Vec<Family>,
-    /// Refusals of a family that the reference build looks into with its own search, the first ones;
-    /// `None` for all.
-    pub searches: Option<usize>,
+    /// Refusals of a family that the reference build looks into with its own search, the first ones.
+    pub searches: usize,
     /// Every so many-th case of a family, the branch from rest is followed to its speed.
     pub followed: usize,
 }
@@ -80,23 +79,11 @@ pub fn run(plan: &Plan, progress: &dyn Progress) -> Vec<Record> {
 
         let is_open = |record: &Record| record.verdict == Verdict::Undecided;
         let open = solves.iter_mut().filter(|solve| solve.iter().any(is_open));
-        let open: Vec<_> = open.take(plan.searches.unwrap_or(usize::MAX)).collect();
+        let open: Vec<_> = open.take(plan.searches).collect();
         open.into_par_iter().for_each(|solve| {
             judge::search(&plan.trial(family, solve[0].index), solve);
         });
         records.extend(solves.into_iter().flatten());
     }
     records
-}
-
-/// One case in full, to look into: what is given, what both precisions and the reference build make of it.
-pub fn in_full(trial: &Trial) -> String {
-    let mut judged = judge::judge(trial, true);
-    for solve in &mut judged {
-        judge::search(trial, &mut solve.records);
-    }
-    let (case, ticks, known) = (&trial.case, &trial.ticks, trial.known);
-    let set = trial.set.as_ref();
-    let set = set.map(|set| (&set.plan, &set.growth, set.held));
-    format!("{case:#?}\n{set:#?}\n{ticks:#?}\nmade from {known:?}\n{judged:#?}\n")
 }

@@ -1,4 +1,4 @@
-//! A campaign as a page, and as a list of solves to look at.
+//! A campaign as a page.
 
 use super::Plan;
 use super::contract::promises;
@@ -88,10 +88,6 @@ pub fn page(plan: &Plan, records: &[Record]) -> String {
     let families: String = families
         .map(|f| format!("- **{}**: {}.\n", f.name(), f.about()))
         .collect();
-    let searches = match plan.searches {
-        Some(most) => format!("in {most} cases of a family"),
-        None => "in every case".to_owned(),
-    };
     format!(
         "# Stability campaign{}
 
@@ -102,7 +98,7 @@ to single precision. A warm family counts the ten solves after a cold one.
 {}## Results
 
 - *None*: no answer, and no equilibrium is known. *Missed*: no answer, though one is known. *Open*: nobody looked for one.
-- The reference build searches for equilibria of solves without an answer {searches}.
+- The reference build searches for equilibria of solves without an answer in {} cases of a family.
 - Iterations and errors: median / 99 % / worst. An error is that against the reference build in double-double arithmetic.
 - *u*: displacement, of its largest component. *Q*: ball forces, of the largest. *K*: `abs(dKij) / sqrt(abs(Kii Kjj))`.
 - *Covered*: answers whose error of *u* / *Q* / *K* is within the solver's own estimate.
@@ -121,24 +117,11 @@ Of {} answers, {} are off by far more than their estimates.
         plan.solves,
         plan.seed,
         if plan.of_sets { SETS } else { "" },
+        plan.searches,
         results(plan, records).trim_end(),
         promises(plan.of_sets).trim_end(),
         records.iter().filter(|r| r.errors.is_some()).count(),
         records.iter().filter(|r| r.deceives()).count(),
         if plan.of_sets { "" } else { BEARINGS },
     )
-}
-
-/// Whether a solve is one to look into: no answer and no good reason, or an answer that is not true.
-fn is_failure(record: &Record) -> bool {
-    !matches!(record.verdict, Verdict::Judged | Verdict::RightlyRefused)
-        || record.is_unbalanced()
-        || record.from_rest == Some(false)
-        || record.deceives()
-}
-
-/// Every solve to look into, a line each.
-pub fn failures(records: &[Record]) -> String {
-    let failures = records.iter().filter(|record| is_failure(record));
-    failures.map(|record| format!("{record:?}\n")).collect()
 }

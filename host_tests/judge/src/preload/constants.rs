@@ -63,27 +63,3 @@ impl Constant {
         }
     }
 }
-
-/// The constants in use with some others, each `name=number`.
-///
-/// # Errors
-///
-/// The one that is not so.
-pub fn with(others: &[String]) -> Result<&'static Constants, String> {
-    let mut constants: &'static Constants = &Constants::USUAL;
-    for other in others {
-        let named = |(name, number): (&str, &str)| {
-            let constant = ALL.iter().find(|constant| constant.name == name)?;
-            Some(constant.with(constants, number.parse().ok()?))
-        };
-        let Some(changed) = other.split_once('=').and_then(named) else {
-            let names: Vec<_> = ALL.iter().map(|constant| constant.name).collect();
-            return Err(format!(
-                "{other} is no NAME=NUMBER; names: {}",
-                names.join(", ")
-            ));
-        };
-        constants = changed;
-    }
-    Ok(constants)
-}

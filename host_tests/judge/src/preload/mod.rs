@@ -107,8 +107,8 @@ pub struct Row {
     pub only: Option<usize>,
 }
 
-/// All rows whose spindle and name contain this.
-pub fn rows(only: &str) -> Vec<Row> {
+/// All rows.
+fn rows() -> Vec<Row> {
     let row = |kind: Kind, name: &str, what: What| Row {
         name: name.to_owned(),
         kind,
@@ -168,7 +168,6 @@ pub fn rows(only: &str) -> Vec<Row> {
             rows.push(row(Kind::Shipped, &name, What::Probe(probe, fault)));
         }
     }
-    rows.retain(|row| format!("{} {}", row.kind.name(), row.name).contains(only));
     rows
 }
 
@@ -255,6 +254,16 @@ pub struct Campaign {
 type Way<'w> = &'w (dyn Fn(&mut Used, &Row, &'static Constants, Random) -> Found + Sync);
 
 impl Campaign {
+    /// All rows, with the constants in use.
+    pub fn new(runs: u64, seed: u64) -> Self {
+        Self {
+            runs,
+            seed,
+            rows: rows(),
+            constants: vec![&Constants::USUAL],
+        }
+    }
+
     /// By load steps, as blocks make them: of each constants, of each row, all runs.
     pub fn by_blocks(&self, progress: &dyn Progress) -> Vec<Vec<(Row, Vec<Found>)>> {
         let rows = self
@@ -266,18 +275,14 @@ impl Campaign {
         self.run(rows.collect(), shares, &blocks::run, progress)
     }
 
-    /// By ticks of the whole monitor, for so many seconds, with the constants in use.
+    /// By ticks of the whole monitor, for so many seconds, whose constants are those in use.
     pub fn by_ticks(&self, seconds: u64, progress: &dyn Progress) -> Vec<(Row, Vec<Found>)> {
-        let only = Self {
-            constants: vec![&Constants::USUAL],
-            ..self.clone()
-        };
         let run = |used: &mut Used, row: &Row, _: &'static Constants, random: Random| {
             ticks::run(used, row, random, seconds)
         };
         // Without one of its probes a monitor raises an alarm.
         let rows = self.rows.iter().filter(|row| row.only.is_none());
-        only.run(rows.collect(), |_, _| false, &run, progress)
+        self.run(rows.collect(), |_, _| false, &run, progress)
             .remove(0)
     }
 

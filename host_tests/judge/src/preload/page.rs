@@ -1,6 +1,7 @@
 //! The page of the campaign.
 
 use crate::preload::constants::{ALL, Constant};
+use crate::preload::spindles::Kind;
 use crate::preload::{Campaign, Found, Row, What};
 use crate::progress::Progress;
 use spindle_monitor::estimator::State;
@@ -162,40 +163,40 @@ fn faults(rows: &Runs) -> String {
     text
 }
 
-/// The page of those parts that were run.
-pub fn page(blocks: Option<&Runs>, ticks: Option<&Runs>, doubling: Option<&str>) -> String {
-    let mut text = ABOUT.to_owned();
+/// The page.
+pub fn page(blocks: &Runs, ticks: &Runs, doubling: &str) -> String {
     let runs = |rows: &Runs| rows.first().map_or(0, |(_, founds)| founds.len());
-    if let Some(rows) = blocks {
-        let _ = write!(
-            text,
-            "\n## By load steps\n\n{} runs of each row. A sound spindle runs for ten hours, 60,000 steps; preload and states are those from an hour \
-             after commissioning on.\nA change comes 400 steps after commissioning, and is followed for 600.\n\n{}\n{}",
-            runs(rows),
-            sound(rows),
-            changes(rows)
-        );
-    }
-    if let Some(rows) = ticks {
-        let _ = write!(
-            text,
-            "\n## By ticks\n\n{} runs of each row: ten minutes of the whole monitor at 1 kHz, some 900 steps. Preload and states are those from 100 \
-             steps after commissioning on, when a\nchange comes. A probe freezes, goes over its range or is cut off then, or after five minutes; the other \
-             faults of probes are there from the start.\n\n{}\n{}\n{}",
-            runs(rows),
-            sound(rows),
-            changes(rows),
-            faults(rows)
-        );
-    }
-    if let Some(table) = doubling {
-        let _ = write!(
-            text,
-            "\n## Constants\n\nEffect of doubling each constant of the estimator on the shipped spindle, by load steps. What a step leaves of a sum \
-             (`kept`, `ratio_kept`) is\nthat of a sum over twice the steps.\n\n{table}"
-        );
-    }
-    text
+    format!(
+        "{ABOUT}
+## By load steps
+
+{} runs of each row. A sound spindle runs for ten hours, 60,000 steps; preload and states are those from an hour after commissioning on.
+A change comes 400 steps after commissioning, and is followed for 600.
+
+{}
+{}
+## By ticks
+
+{} runs of each row: ten minutes of the whole monitor at 1 kHz, some 900 steps. Preload and states are those from 100 steps after commissioning on, when a
+change comes. A probe freezes, goes over its range or is cut off then, or after five minutes; the other faults of probes are there from the start.
+
+{}
+{}
+{}
+## Constants
+
+Effect of doubling each constant of the estimator on the shipped spindle, by load steps. What a step leaves of a sum (`kept`, `ratio_kept`) is
+that of a sum over twice the steps.
+
+{doubling}",
+        runs(blocks),
+        sound(blocks),
+        changes(blocks),
+        runs(ticks),
+        sound(ticks),
+        changes(ticks),
+        faults(ticks),
+    )
 }
 
 /// The table of what it does to double a constant, by the rows of a shipped spindle that are told the most by.
@@ -204,10 +205,9 @@ pub fn doubling(of: &Campaign, progress: &dyn Progress) -> String {
     let usual = of.constants[0];
     let doubled = |constant: &Constant| constant.with(usual, constant.doubled(usual));
     let mut campaign = of.clone();
-    campaign.rows = crate::preload::rows("shipped");
     campaign
         .rows
-        .retain(|row| TELLING.contains(&row.name.as_str()));
+        .retain(|row| row.kind == Kind::Shipped && TELLING.contains(&row.name.as_str()));
     campaign.constants.extend(ALL.iter().map(doubled));
     let all = campaign.by_blocks(progress);
     let mut text = "| constant | doubled | commissioned after | false alarms: preload-change; stiffness-loss; stiffness-gain; probe | \

@@ -13,7 +13,7 @@ fn small_campaign(seed: u64, solves: usize, of_sets: bool) -> Vec<Record> {
         of_sets,
         families: Plan::all(of_sets).to_vec(),
         // They take seconds.
-        searches: Some(0),
+        searches: 0,
         followed: 5,
     };
     run(&plan, &())
@@ -51,7 +51,7 @@ fn balls_off_the_inner_race_do_not_correct_the_stiffness() {
         solves: 0,
         of_sets: true,
         families: vec![ZeroLoads],
-        searches: None,
+        searches: usize::MAX,
         followed: usize::MAX,
     };
     for solve in judge(&plan.trial(ZeroLoads, 2110), false) {
@@ -73,7 +73,7 @@ fn loads_that_people_type_are_solved() {
         solves: 3000 * Family::ALL.len(),
         of_sets: false,
         families: vec![Typed],
-        searches: None,
+        searches: usize::MAX,
         followed: usize::MAX,
     };
     let records = run(&plan, &());

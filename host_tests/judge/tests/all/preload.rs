@@ -1,19 +1,10 @@
 //! Small campaigns of measured preloads: one run of each row.
 
-use judge::preload::{Campaign, Fault, Found, Row, What, rows};
-use spindle_monitor::estimator::{Constants, State};
+use judge::preload::{Campaign, Fault, Found, Row, What};
+use spindle_monitor::estimator::State;
 
 /// Time of a run by ticks, s: some 100 load steps.
 const SECONDS: u64 = 60;
-
-fn campaign(seed: u64) -> Campaign {
-    Campaign {
-        runs: 1,
-        seed,
-        rows: rows(""),
-        constants: vec![&Constants::USUAL],
-    }
-}
 
 /// Whether there is one, at most this large.
 fn within(found: Option<usize>, most: usize) -> bool {
@@ -71,7 +62,7 @@ fn is_kept(row: &Row, found: &Found) -> bool {
 
 /// Rows that have not found what they must.
 fn broken(seed: u64) -> Vec<(String, Found)> {
-    let runs = campaign(seed).by_blocks(&()).remove(0);
+    let runs = Campaign::new(1, seed).by_blocks(&()).remove(0);
     let broken = |(row, founds): (Row, Vec<Found>)| {
         let found = founds.into_iter().find(|found| !is_kept(&row, found))?;
         Some((
@@ -98,7 +89,7 @@ fn preloads_of_twenty_seeds_are_found() {
 /// As the monitor has it that waits for its first commissioning.
 #[test]
 fn a_probe_at_fault_is_named_and_the_other_one_goes_on() {
-    let mut campaign = campaign(1);
+    let mut campaign = Campaign::new(1, 1);
     campaign
         .rows
         .retain(|row| matches!(row.what, What::Probe(..)));
