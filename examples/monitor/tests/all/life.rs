@@ -2,10 +2,7 @@
 
 use mock::cuts::{passed, tooth};
 use mock::rig::{BEARING, IDLE, ON_BEARING, Rig, SETTINGS, SPEED, at_speed};
-use spindle_bearing::{
-    Arrangement, Bearing, Design, LifeRating, Preload, RatingLife, Settings, Solver, Speed,
-    Spindle, SpindleSolver,
-};
+use spindle_bearing::{RatingLife, Settings, Solver, Speed};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::{Life, Mark, Marks, Readings};
 
@@ -157,47 +154,4 @@ fn a_sensor_that_fails_from_the_start_stops_no_life() {
     let life = rig.monitor.life();
     assert!(life.revolutions() > 200 && life.used() > 0.0);
     assert_eq!(life.estimated(), life.used());
-}
-
-/// Rows that carry the same: by the exponent 10/9 of ISO/TS 16281, two last `2^-0.9` times as long as one.
-#[test]
-fn the_life_of_a_set_is_that_of_its_rows_together() {
-    let design = Design::angular_contact(6.35e-3, 36e-3, 15f64.to_radians());
-    let bearing = Bearing::<f64, 16>::new(&design).unwrap();
-    let rating = LifeRating::<f64>::new(&design, 16, design.dynamic_load_rating(16));
-    let (speed, settings) = (Speed::rpm(12_000.0), Settings::default());
-
-    let preload = Preload::Force(300.0);
-    let pair = Spindle::pair(Arrangement::BackToBack, &bearing, 0.1, preload).unwrap();
-    let mut solver = SpindleSolver::new();
-    let solution = solver.solve(&pair, [0.0; 5], speed, &settings).unwrap();
-    let both = solution.rating_life(&[rating; 2]);
-    for row in solution.rows() {
-        let one = row.rating_life(&rating);
-        let ratio = both.million_revolutions / one.million_revolutions;
-        assert!((ratio / 0.5f64.powf(0.9) - 1.0).abs() < 1e-9, "{ratio}");
-    }
-    assert!(
-        (both.hours - both.million_revolutions * 1e6 / (60.0 * 12_000.0)).abs() < 1e-9 * both.hours
-    );
-
-    let load = [400.0, 100.0, 0.0, 0.0, 1.0];
-    let mut plain = Solver::new();
-    let plain = plain
-        .solve(&bearing, load, speed, &settings)
-        .unwrap()
-        .rating_life(&rating);
-    let (mut single, alone) = (SpindleSolver::new(), Spindle::single(&bearing));
-    let single = single
-        .solve(&alone, load, speed, &settings)
-        .unwrap()
-        .rating_life(&[rating]);
-    assert_eq!(plain, single);
-
-    let mut at_rest = Solver::new();
-    let still = at_rest
-        .solve(&bearing, load, Speed::REST, &settings)
-        .unwrap()
-        .rating_life(&rating);
-    assert!(still.hours.is_infinite() && still.million_revolutions.is_finite());
 }
