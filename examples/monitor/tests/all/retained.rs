@@ -12,9 +12,7 @@ use spindle_monitor::estimator::{Constants, Estimator, Kept as KeptEstimates};
 use spindle_monitor::judgement::{AlarmState, Level, Levels};
 use spindle_monitor::loads::LoadSample;
 use spindle_monitor::log::Log;
-use spindle_monitor::retained::{
-    Identity, LIFE_US, Past, Recovery, RetentionReport, Store, VERSION,
-};
+use spindle_monitor::retained::{Identity, LIFE_US, Past, Recovery, RetentionReport, Store};
 use spindle_monitor::settings::MonitorSettings;
 use spindle_monitor::telemetry::{FrameReader, Payload};
 use spindle_monitor::tick::{NoCycles, NoWatchdog};
@@ -272,52 +270,6 @@ fn a_board_that_is_warned_of_the_power_cut_loses_nothing() {
     }
     holds(Words::new(2));
     holds(Wide::new(2));
-}
-
-// --- other designs and versions ----------------------------------------------------------------
-
-#[test]
-fn another_spindle_begins_anew_and_the_starts_go_on() {
-    use Recovery::{OtherSpindle, Recovered};
-    let cases = [
-        (IDENTITY, Recovered),
-        (Identity::of(7014, 25), OtherSpindle),
-    ];
-    let (flash, kept) = used(Words::new(2));
-    for (i, (identity, expected)) in cases.into_iter().enumerate() {
-        let board = Board::start_as(flash.clone(), identity);
-        assert_eq!(board.recovery(), expected, "{i}");
-        let (found, raised) = match expected {
-            Recovered => (kept, 1),
-            _ => (NOTHING, 0),
-        };
-        assert_eq!(board.found(), found, "{i}");
-        assert_eq!(board.found.start.raised.iter().sum::<u8>(), raised);
-        assert_eq!(board.found.start.boots, 2);
-    }
-}
-
-#[test]
-fn another_version_or_damage_begins_anew_and_is_named() {
-    let (mut flash, kept) = used(Words::new(2));
-    let (mut log, payload) = Log::open(flash.clone());
-    let mut payload = payload.unwrap();
-    assert_eq!(payload[0], VERSION);
-    payload[0] += 1;
-    log.begin(&payload);
-    while log.step() {}
-    let board = Board::start(log.into_flash());
-    let found = (board.found(), board.recovery(), board.found.start.boots);
-    assert_eq!(found, (NOTHING, Recovery::OtherVersion, 1));
-    // One copy, and both.
-    for (half, expected) in [
-        (0, (kept, Recovery::Recovered)),
-        (1, (NOTHING, Recovery::Damaged)),
-    ] {
-        flash.bytes[half * 4096 + 20] ^= 1;
-        let board = Board::start(flash.clone());
-        assert_eq!((board.found(), board.recovery()), expected);
-    }
 }
 
 // --- starts and alarms -------------------------------------------------------------------------

@@ -209,7 +209,9 @@ fn is_of(past: &Past, payload: &[u8; PAYLOAD], report: &RetentionReport) -> bool
         Recovery::OtherSpindle => !is_ours && found.is_none(),
         other => other == report.recovery && found.is_none(),
     };
+    let is_version = payload(4..5) == [VERSION];
     estimated
+        && is_version != (report.recovery == Recovery::OtherVersion)
         && match report.recovery {
             Recovery::Recovered => {
                 let same = start.alarms == alarms(number(6..8) as u16)
@@ -217,10 +219,18 @@ fn is_of(past: &Past, payload: &[u8; PAYLOAD], report: &RetentionReport) -> bool
                 let kept = (number(12..20), number(20..28));
                 has_bearings && past.life == kept && same && u64::from(start.boots) == boots
             }
-            Recovery::OtherSpindle => !has_bearings && u64::from(start.boots) == boots,
-            Recovery::OtherVersion => payload(4..5) != [VERSION] && start.boots == 1,
+            Recovery::OtherSpindle => {
+                is_new(past) && !has_bearings && u64::from(start.boots) == boots
+            }
+            Recovery::OtherVersion => is_new(past) && start.boots == 1,
             _ => false,
         }
+}
+
+/// Whether a past has no life and no alarm.
+fn is_new(past: &Past) -> bool {
+    let start = &past.start;
+    past.life == (0, 0) && start.alarms.is_empty() && start.raised == [0; Alarm::COUNT]
 }
 
 fn with_unit<const UNIT: usize>(run: &Run) -> Ends {
@@ -241,8 +251,7 @@ fn with_unit<const UNIT: usize>(run: &Run) -> Ends {
             Recovery::Blank | Recovery::Damaged => {
                 assert_eq!(report.recovery == Recovery::Damaged, report.damaged > 0);
                 assert!(newest.is_empty());
-                let nothing = (past.life, past.start.alarms, past.start.boots);
-                assert_eq!(nothing, ((0, 0), EnumSet::new(), 1));
+                assert!(is_new(&past) && past.start.boots == 1);
             }
             _ => assert!(newest.iter().any(|payload| is_of(&past, payload, &report))),
         }
