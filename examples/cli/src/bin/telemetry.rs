@@ -97,15 +97,6 @@ struct Arguments {
     #[arg(long)]
     view: bool,
 
-    /// With --view and not from a port: so many times as fast as it was, 0 for as fast as it comes
-    #[arg(
-        long,
-        value_name = "TIMES",
-        default_value_t = 1.0,
-        conflicts_with = "port"
-    )]
-    pace: f64,
-
     /// At the end, draw the view to this file
     #[arg(long, value_name = "FILE.svg")]
     picture: Option<PathBuf>,
@@ -147,9 +138,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let port = arguments.port.as_deref().map(|port| (port, arguments.baud));
     let ended = match arguments.view {
         false => session.read(&chunks, port),
-        true if port.is_none() && arguments.pace > 0.0 => {
-            view::view(&source::paced(chunks, arguments.pace), &mut session)
-        }
+        true if port.is_none() => view::view(&source::paced(chunks), &mut session),
         true => view::view(&chunks, &mut session),
     };
     // A port that was unplugged is told of after what came from it.

@@ -92,8 +92,8 @@ fn spawn(chunks: impl Iterator<Item = io::Result<Vec<u8>>> + Send + 'static) -> 
     receiver
 }
 
-/// The frames of a stream when they are due by the monitor's own time, so many times as fast.
-pub fn paced(chunks: Chunks, times: f64) -> Chunks {
+/// The frames of a stream when they are due by the monitor's own time.
+pub fn paced(chunks: Chunks) -> Chunks {
     let mut decoder = Decoder::new();
     let mut start = None;
     let frames = chunks.into_iter().flat_map(|chunk| match chunk {
@@ -111,9 +111,7 @@ pub fn paced(chunks: Chunks, times: f64) -> Chunks {
                     start = None;
                 }
                 let (at, first) = *start.get_or_insert((Instant::now(), frame.time_us));
-                let since = frame.time_us.saturating_sub(first) as f64 * 1e-6 / times;
-                // A time that was damaged is none to wait for.
-                let due = Duration::try_from_secs_f64(since).unwrap_or_default();
+                let due = Duration::from_micros(frame.time_us.saturating_sub(first));
                 thread::sleep(due.saturating_sub(at.elapsed()));
             }
         }

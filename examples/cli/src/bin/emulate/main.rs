@@ -187,7 +187,7 @@ fn run(arguments: &Arguments, plan: &Plan, firmware: &Firmware) -> Result<()> {
         let (sender, chunks) = mpsc::sync_channel(usize::from(u16::MAX));
         thread::scope(|scope| {
             let running = scope.spawn(|| exchange::run(plan, firmware, Some(sender)));
-            view::view(&source::paced(chunks, 1.0), &mut Session::default())?;
+            view::view(&source::paced(chunks), &mut Session::default())?;
             running.join().map_err(|_| anyhow!("the run panicked"))?
         })?
     } else {
