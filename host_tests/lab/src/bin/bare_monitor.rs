@@ -20,6 +20,7 @@ mod bare {
     use spindle_firmware::tachometer::{Edges, PulseSpeed, SpeedMethod, SpeedSource};
     use spindle_monitor::board::ResetCause;
     use spindle_monitor::loads::{FramedLoads, LoadSource};
+    use spindle_monitor::record;
     use spindle_monitor::settings::MonitorSettings;
     use spindle_monitor::tick::{Core, CycleCounter, Watchdog, Widened};
     use spindle_monitor::{Alarm, Monitor, Readings, Store};
@@ -123,6 +124,9 @@ mod bare {
             let now = black_box(0);
             let time_us = clock.at(now);
             frames.push(black_box(0));
+            if let Some(record) = black_box(None) {
+                black_box(record::encode(&record));
+            }
             tachometer.input().edge(black_box(0), black_box(true));
             let speed = tachometer.speed(now);
             let standing = speed.is_ok_and(|speed| speed.method == SpeedMethod::Standstill);

@@ -15,11 +15,10 @@ mod bare {
     use lab::{ring, spoiled};
     use spindle_bearing::{
         AxialSolver, Bearing, Centrifugal, Given, Growth, Motion, RacewayControlFree, Settings,
-        Solver, Speed, Static,
+        Speed, Static,
     };
-    use spindle_bearing::{InnerRaceControl, Limits, OuterRaceControl, Real, elliptic_integrals};
+    use spindle_bearing::{InnerRaceControl, OuterRaceControl, Real, elliptic_integrals};
     use spindle_firmware::spindle::{BEARING_0, DESIGN_0};
-    use spindle_monitor::record::{FrameReader, MESSAGE_LENGTH, encode};
 
     pub fn run() {
         // The check builds all of these, the last one to see itself fail.
@@ -33,7 +32,6 @@ mod bare {
     /// Functions that firmware in single precision uses, for a design that the compiler works out.
     fn single() {
         every_scene(&BEARING_0);
-        monitor();
     }
 
     /// Double precision, and bearings of designs that only turn up at run time.
@@ -86,33 +84,6 @@ mod bare {
             }
             if black_box(true) {
                 solver.reset();
-            }
-        }
-    }
-
-    /// From bytes to stiffness, contact forces and limits.
-    fn monitor() {
-        let mut solver = Solver::new();
-        let settings = black_box(Settings::default());
-        let mut frames = FrameReader::<MESSAGE_LENGTH>::new();
-        while black_box(true) {
-            match frames.push(black_box(0)) {
-                None => {}
-                Some(Ok(record)) => {
-                    let speed = Speed::rpm(record.speed_rpm);
-                    let solved = solver.solve(&BEARING_0, record.load(), speed, &settings);
-                    if let Ok(solution) = solved {
-                        black_box(solution.stiffness());
-                        solution.inner_forces().for_each(|force| {
-                            black_box(force);
-                        });
-                        black_box(solution.margins(&black_box(Limits::default())));
-                    }
-                    black_box(encode(&record));
-                }
-                Some(Err(error)) => {
-                    black_box(error.name());
-                }
             }
         }
     }
