@@ -19,9 +19,6 @@ use std::array::from_fn;
 /// Settings of the STM32F405's monitor of the shipped spindle.
 pub static MONITOR: MonitorSettings<ROWS> = monitor_settings(&Core::STM32F405);
 
-/// One revolution per minute.
-const RAD_PER_S: f32 = std::f32::consts::PI / 30.0;
-
 /// The bytes that the monitor of a spindle sends while it samples a recording in every tick.
 ///
 /// # Errors
@@ -50,11 +47,10 @@ fn sent<const P: usize>(
     for tick in PerTick::new(rows, settings.tick.period_us) {
         let tick = tick?;
         let time_us = u64::from(tick.record.sequence) * u64::from(settings.tick.period_us);
-        let record = tick.record;
         let sample = LoadSample {
             time_us,
-            load: [record.fx, record.fy, record.fz, record.my, record.mz],
-            speed: Some(RAD_PER_S * record.speed_rpm),
+            load: tick.record.load(),
+            speed: Some(tick.record.omega()),
             residual: 0.0,
             doubts: Marks::new(),
         };

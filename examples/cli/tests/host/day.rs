@@ -33,7 +33,7 @@ fn a_day_passes_without_drift_or_overflow() {
         .map(|row| LoadSample {
             time_us: 0,
             load: row.load.map(|x| x as f32),
-            speed: Some((row.speed_rpm * std::f64::consts::PI / 30.0) as f32),
+            speed: Some(row.omega() as f32),
             residual: 0.0,
             doubts: Marks::new(),
         })
