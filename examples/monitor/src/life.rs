@@ -33,14 +33,14 @@
 //! Measured loads that cannot be believed leave the rate as it was. [`Life::estimated`] has the life counted so.
 //!
 //! An increment is some 1e-13, and there are 86 million of them in a day: in single precision the sum would
-//! stop growing. [`Sum`] adds them up as whole numbers, and carries what is left over to the next.
+//! stop growing. `Sum` adds them up as whole numbers, and carries what is left over to the next.
 
 use spindle_bearing::{cbrt_f32, sqrt_f32};
 
 /// Sum of non-negative numbers in units of `2^-FRACTION`, without a drift by rounding. It stops at its largest value,
 /// `2^(64 - FRACTION)`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Sum<const FRACTION: u32> {
+struct Sum<const FRACTION: u32> {
     units: u64,
     /// Part of a unit that is left over.
     rest: f32,
@@ -48,21 +48,21 @@ pub struct Sum<const FRACTION: u32> {
 
 impl<const FRACTION: u32> Sum<FRACTION> {
     /// Nothing yet.
-    pub const ZERO: Self = Self::from_units(0);
+    const ZERO: Self = Self::from_units(0);
     const UNITS_OF_ONE: f32 = (1_u64 << FRACTION) as f32;
 
     /// The sum that [`Sum::units`] has given: to go on after a power cycle.
-    pub const fn from_units(units: u64) -> Self {
+    const fn from_units(units: u64) -> Self {
         Self { units, rest: 0.0 }
     }
 
     /// The sum in whole units.
-    pub const fn units(self) -> u64 {
+    const fn units(self) -> u64 {
         self.units
     }
 
     /// Adds a number. One that is negative, or none, adds nothing; an infinite one makes the largest sum.
-    pub const fn add(&mut self, x: f32) {
+    const fn add(&mut self, x: f32) {
         if !(x > 0.0) {
             return;
         }
@@ -78,12 +78,12 @@ impl<const FRACTION: u32> Sum<FRACTION> {
     }
 
     /// The whole part.
-    pub const fn whole(self) -> u64 {
+    const fn whole(self) -> u64 {
         self.units >> FRACTION
     }
 
     /// The sum, rounded.
-    pub const fn value(self) -> f32 {
+    const fn value(self) -> f32 {
         self.units as f32 / Self::UNITS_OF_ONE
     }
 }

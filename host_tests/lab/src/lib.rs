@@ -128,7 +128,7 @@ macro_rules! image {
 }
 
 /// Whether the build asks for double precision: `MEASURED_PRECISION` is `f32`, `f64` or not set.
-pub const DOUBLE: bool = match option_env!("MEASURED_PRECISION") {
+const DOUBLE: bool = match option_env!("MEASURED_PRECISION") {
     None => false,
     Some(name) => match name.as_bytes() {
         b"f32" => false,

@@ -112,7 +112,7 @@ pub fn account(recording: &Mutex<recordings::Loads>, were_solved: bool) -> Resul
 
 /// A bar on the terminal over the bytes of the recording or the rows of a table, with `position` beside
 /// it. A count if their number is unknown.
-pub fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
+fn progress_bar(total: Option<u64>, position: &str) -> ProgressBar {
     let (bar, template) = match total {
         Some(total) => (
             ProgressBar::new(total),
