@@ -2,7 +2,7 @@
 
 use cli::cross::TARGET;
 
-/// The firmware of the STM32H743. Its folder is another one, so that its builds run beside the others.
+/// The firmware of the STM32H743.
 pub const H743: &[&str] = &[
     "-p",
     "spindle_firmware",
@@ -12,8 +12,6 @@ pub const H743: &[&str] = &[
     "examples/firmware/h743/config.toml",
     "--target",
     TARGET,
-    "--target-dir",
-    "target/h743",
 ];
 
 /// The bench of the STM32H743, likewise.
@@ -27,8 +25,6 @@ pub const BENCH_H743: &[&str] = &[
     "examples/firmware/h743/config.toml",
     "--target",
     TARGET,
-    "--target-dir",
-    "target/h743",
 ];
 
 /// The images of this package, for the core of the STM32F405.

@@ -23,32 +23,24 @@ const MISSING: &str = "the_solver_can_panic";
 
 /// Proves all of them but the scenes.
 pub fn check(root: &Path) -> Result<()> {
-    let (h743, others) = rayon::join(
-        || {
-            let kinds = &Unwanted::IN_DOUBLE;
-            let program = (H743, "spindle_firmware_h743");
-            SPINDLES[..2]
-                .iter()
-                .try_for_each(|spindle| shipped(root, program, spindle, kinds))
-        },
-        || {
-            be_seen_to_fail(root, &SOLVER)?;
-            bare(root, &SOLVER, None, &Unwanted::ALL)?;
-            let whole = bare(root, &SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
-            parts::be_seen(root, &whole, Part::Design)?;
-            bare(root, &MONITOR, None, &Unwanted::BUT_ROOTS)?;
-            be_seen_to_fail(root, &ANY_PROFILE[0])?;
-            for image in &ANY_PROFILE {
-                bare(root, image, None, &Unwanted::BUT_ROOTS)?;
-            }
-            let kinds = &Unwanted::BUT_ROOTS;
-            let program = (F405, "spindle_firmware");
-            SPINDLES
-                .iter()
-                .try_for_each(|spindle| shipped(root, program, spindle, kinds))
-        },
-    );
-    h743.and(others)
+    be_seen_to_fail(root, &SOLVER)?;
+    bare(root, &SOLVER, None, &Unwanted::ALL)?;
+    let whole = bare(root, &SOLVER, Some("double"), &Unwanted::IN_DOUBLE)?;
+    parts::be_seen(root, &whole, Part::Design)?;
+    bare(root, &MONITOR, None, &Unwanted::BUT_ROOTS)?;
+    be_seen_to_fail(root, &ANY_PROFILE[0])?;
+    for image in &ANY_PROFILE {
+        bare(root, image, None, &Unwanted::BUT_ROOTS)?;
+    }
+    let kinds = &Unwanted::BUT_ROOTS;
+    for spindle in &SPINDLES {
+        shipped(root, (F405, "spindle_firmware"), spindle, kinds)?;
+    }
+    let kinds = &Unwanted::IN_DOUBLE;
+    for spindle in &SPINDLES[..2] {
+        shipped(root, (H743, "spindle_firmware_h743"), spindle, kinds)?;
+    }
+    Ok(())
 }
 
 /// Files of spindles, the shipped one without a name, and the parts that their firmware has of those in [`Part::OF_FILES`].
